@@ -1,0 +1,22 @@
+# tests/bench: Google Benchmark, not a test. Files named *_native.cpp are the yardstick, plain C++ as fast as the compiler
+# makes it for this machine; *_native_<lanes>.cpp prefer vectors of that many floats.
+
+find_package(benchmark CONFIG QUIET)
+file(GLOB benchmarkSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/*.cpp")
+if(benchmarkSources AND benchmark_FOUND)
+  add_executable(benchmarks ${benchmarkSources})
+  target_link_libraries(benchmarks PRIVATE core_app aerosol_flags benchmark::benchmark benchmark::benchmark_main fmt::fmt)
+  target_compile_definitions(benchmarks PRIVATE AEROSOL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  add_dependencies(benchmarks aerosol_support)
+  foreach(source ${benchmarkSources})
+    if(source MATCHES "_native(_([0-9]+))?\\.cpp$")
+      # A hypervisor may hide half of a feature pair, which clang mends with a warning.
+      set(options -O3 -march=native -Wno-invalid-feature-combination)
+      if(CMAKE_MATCH_2)
+        math(EXPR bits "${CMAKE_MATCH_2} * 32")
+        list(APPEND options -mprefer-vector-width=${bits})
+      endif()
+      set_source_files_properties("${source}" PROPERTIES COMPILE_OPTIONS "${options}")
+    endif()
+  endforeach()
+endif()

@@ -1,0 +1,20 @@
+# tests/fuzz: one libFuzzer program a file, in builds with AddressSanitizer. CTest runs each for a fixed number of inputs
+# from a fixed seed; run the program by hand with a corpus folder to search for longer.
+
+file(GLOB fuzzSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/fuzz/*.cpp")
+add_custom_target(fuzz_tests)
+if(fuzzSources AND AEROSOL_SANITIZERS MATCHES "address")
+  foreach(source ${fuzzSources})
+    get_filename_component(name "${source}" NAME_WE)
+    set(target fuzz_${name})
+    add_executable(${target} "${source}")
+    target_link_libraries(${target} PRIVATE core_app aerosol_flags fmt::fmt)
+    target_compile_definitions(${target} PRIVATE AEROSOL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer)
+    target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+    add_dependencies(${target} aerosol_support)
+    add_dependencies(fuzz_tests ${target})
+    add_test(NAME ${target} COMMAND ${target} -runs=5000 -seed=1 -max_len=4096 -timeout=60)
+    set_tests_properties(${target} PROPERTIES LABELS fuzz TIMEOUT 900)
+  endforeach()
+endif()

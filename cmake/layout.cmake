@@ -1,0 +1,14 @@
+# The build tree has the layout of an installation, so that files are found the same way in both: bin/,
+# lib/aerosol/*.so, lib/aerosol/runtime/*.bc, share/aerosol/{shaders,scenes}. core/base/paths.h looks them up.
+
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+foreach(folder bin lib/aerosol share/aerosol)
+  file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/${folder}")
+endforeach()
+foreach(folder shaders scenes)
+  file(CREATE_LINK "${CMAKE_SOURCE_DIR}/${folder}" "${CMAKE_BINARY_DIR}/share/aerosol/${folder}" SYMBOLIC)
+endforeach()
+
+# Everything that a program needs beside itself to run: the modules and the kernels' runtime library.
+get_property(modules GLOBAL PROPERTY AEROSOL_MODULES)
+add_custom_target(aerosol_support ALL DEPENDS runtime_bitcode ${modules})

@@ -1,0 +1,311 @@
+#include <algorithm>
+
+#include "core/accel/scene_data.h"
+
+namespace aerosol::accel {
+
+namespace {
+
+class Query;
+
+/// What Embree hands to every callback.
+struct QueryContext : EmbreeContext {
+  Query* query = nullptr;
+};
+
+/// One running query.
+///
+/// Embree decides *whether* a triangle is hit, watertight and in float; *where* is computed here in double. A candidate
+/// that beats the best one so far is accepted, but Embree's far end is set not to its distance but a little behind
+/// (`slack_`, several times the error of Embree's own distances), so whatever might be nearer or equal in double is
+/// still offered: the winner is the smallest HitKey of all and does not depend on the order of traversal.
+///
+/// A ray through an edge is reported by Embree for both triangles (it is generous there, so that no ray slips through).
+/// That is one crossing of the surface, and whoever counts entries and exits must see one: of neighbouring triangles
+/// crossed in the same direction at all but the same distance only the first counts.
+///
+/// A volume primitive is never a hit: its callback records a span and leaves the ray as it is. The spans are cut at the
+/// hit when traversal is over.
+class Query {
+ public:
+  Query(const SceneData& scene, const Ray<World>& ray, SpanBuffer& spans, Counters& counters, const HitKey* after)
+      : scene_(scene),
+        ray_(ray),
+        exact_{toDouble(ray.origin), toDouble(ray.direction)},
+        after_(after),
+        begin_(std::fmax(static_cast<double>(ray.tMin), after ? after->t : 0)),
+        end_(static_cast<double>(ray.tMax)),
+        spans_(spans),
+        counters_(counters) {
+    initContext(context_);
+    context_.query = this;
+    spans.clear();
+    double reach = 0;
+    if (!scene.bounds.isEmpty()) {
+      const Double3 lower = toDouble(scene.bounds.lower), upper = toDouble(scene.bounds.upper);
+      reach = length(upper - lower) + length(exact_.origin - lower);
+    }
+    slack_ = reach * 0x1p-20;
+    edgeSlack_ = reach * 0x1p-16;
+  }
+
+  Query(const Query&) = delete;
+  Query& operator=(const Query&) = delete;
+
+  static Query& of(EmbreeContext* context) { return *static_cast<QueryContext*>(context)->query; }
+
+  bool isValid() const {
+    const Double3 o = exact_.origin, d = exact_.direction;
+    return std::isfinite(dot(o, o)) && std::isfinite(dot(d, d)) && dot(d, d) > 0 && !std::isnan(ray_.tMin) &&
+           !std::isnan(ray_.tMax);
+  }
+  bool isEmpty() const { return !(begin_ < end_); }
+
+  void findClosest() {
+    recordUnbounded();
+    RTCRayHit embreeRay;
+    embreeRay.ray = makeRay();
+    embreeRay.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    embreeRay.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    intersectRay(scene_.scene, context_, embreeRay);
+    finishSpans(hasBest_ ? best_.t : end_);
+  }
+
+  bool findOccluder(InterfaceBuffer& interfaces) {
+    interfaces.clear();
+    interfaces_ = &interfaces;
+    recordUnbounded();
+    RTCRay embreeRay = makeRay();
+    occludeRay(scene_.scene, context_, embreeRay);
+    if (embreeRay.tfar < 0) {
+      spans_.clear();
+      interfaces.clear();
+      return true;
+    }
+    finishSpans(end_);
+    std::ranges::sort(interfaces);
+    mergeRepeated(interfaces);
+    return false;
+  }
+
+  /// Whether the hit is now the best one.
+  bool offer(const HitKey& key) {
+    if (!isInRange(key) || (hasBest_ && !(key < best_))) return false;
+    best_ = key;
+    hasBest_ = true;
+    return true;
+  }
+
+  /// Whether the hit blocks a shadow ray; one that does not is recorded.
+  template <class Entering>
+  bool offerShadow(const HitKey& key, Entering&& entering) {
+    if (!isInRange(key)) return false;
+    if (!key.passThrough) return true;
+    interfaces_->push_back({key, entering()});
+    return false;
+  }
+
+  void record(VolumeId volume) {
+    ++counters_.volumeTests;
+    const auto interval = scene_.volumes[volume]->intersect(ray_);
+    if (!interval || !(interval->t0 < interval->t1)) return;
+    const double t0 = std::fmax(interval->t0, begin_), t1 = std::fmin(interval->t1, end_);
+    if (t0 < t1) spans_.push_back({t0, t1, volume});
+  }
+
+  float embreeFar() const { return floatAbove((hasBest_ ? best_.t : end_) + slack_); }
+  const DoubleRay& exactRay() const { return exact_; }
+  const SceneData& scene() const { return scene_; }
+
+  std::optional<SurfaceHit> hit() const {
+    if (!hasBest_) return {};
+    const Surface& surface = scene_.surfaces[best_.object];
+    if (surface.mesh) return describeHit(*surface.mesh, best_.primitive, exact_, best_.t);
+    return describeHit(*surface.analytic, exact_, best_.t);
+  }
+
+ private:
+  bool isInRange(const HitKey& key) const {
+    const bool isBehindStart = after_ ? key > *after_ && key.t > static_cast<double>(ray_.tMin) : key.t > begin_;
+    return isBehindStart && key.t < end_ && !(after_ && isRepeated(key, *after_));
+  }
+
+  /// Whether `key` is the same crossing as the earlier `first`.
+  bool isRepeated(const HitKey& key, const HitKey& first) const {
+    if (key.object != first.object || key.t - first.t > edgeSlack_) return false;
+    if (key.primitive == first.primitive) return key.t == first.t;
+    const TriangleMesh& mesh = scene_.surfaces[key.object].mesh->mesh;
+    return areNeighbours(mesh, key.primitive, first.primitive) &&
+           entersAt(mesh, key.primitive, exact_) == entersAt(mesh, first.primitive, exact_);
+  }
+
+  /// Drops every interface that repeats the last kept one of its object.
+  void mergeRepeated(InterfaceBuffer& interfaces) const {
+    std::size_t kept = 0;
+    for (const Interface& next : interfaces) {
+      std::size_t last = kept;
+      while (last > 0 && interfaces[last - 1].key.object != next.key.object &&
+             next.key.t - interfaces[last - 1].key.t <= edgeSlack_) {
+        --last;
+      }
+      if (last == 0 || !isRepeated(next.key, interfaces[last - 1].key)) interfaces[kept++] = next;
+    }
+    interfaces.resize(kept);
+  }
+
+  RTCRay makeRay() const {
+    RTCRay r{};
+    r.org_x = ray_.origin.x;
+    r.org_y = ray_.origin.y;
+    r.org_z = ray_.origin.z;
+    r.dir_x = ray_.direction.x;
+    r.dir_y = ray_.direction.y;
+    r.dir_z = ray_.direction.z;
+    r.tnear = std::fmax(floatBelow(begin_ - slack_), 0.0f);
+    r.tfar = embreeFar();
+    r.time = 0;
+    r.mask = ~0u;
+    return r;
+  }
+
+  void recordUnbounded() {
+    for (const VolumeId volume : scene_.unbounded) record(volume);
+  }
+
+  void finishSpans(double end) {
+    std::erase_if(spans_, [&](const Span& span) { return span.t0 >= end; });
+    for (Span& span : spans_) span.t1 = std::fmin(span.t1, end);
+    std::ranges::sort(spans_,
+                      [](const Span& a, const Span& b) { return a.t0 != b.t0 ? a.t0 < b.t0 : a.volume < b.volume; });
+    const auto repeated = std::ranges::unique(spans_);
+    spans_.erase(repeated.begin(), repeated.end());
+    counters_.spans += spans_.size();
+  }
+
+  QueryContext context_;
+  const SceneData& scene_;
+  const Ray<World>& ray_;
+  DoubleRay exact_;
+  const HitKey* after_;
+  double begin_, end_;
+  double slack_ = 0, edgeSlack_ = 0;
+  HitKey best_;
+  bool hasBest_ = false;
+  SpanBuffer& spans_;
+  InterfaceBuffer* interfaces_ = nullptr;
+  Counters& counters_;
+};
+
+}  // namespace
+
+void acceptTriangle(const RTCFilterFunctionNArguments* arguments) {
+  Query& query = Query::of(arguments->context);
+  const auto& surface = *static_cast<const MeshSurface*>(arguments->geometryUserPtr);
+  const std::uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, 0);
+  const auto t = planeDistance(surface.mesh, triangle, query.exactRay());
+  if (!t || !query.offer({*t, surface.passThrough, surface.object, triangle})) {
+    arguments->valid[0] = 0;
+    return;
+  }
+  RTCRayN_tfar(arguments->ray, arguments->N, 0) = query.embreeFar();
+}
+
+void acceptShadowTriangle(const RTCFilterFunctionNArguments* arguments) {
+  Query& query = Query::of(arguments->context);
+  const auto& surface = *static_cast<const MeshSurface*>(arguments->geometryUserPtr);
+  const std::uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, 0);
+  const auto t = planeDistance(surface.mesh, triangle, query.exactRay());
+  const auto entering = [&] { return entersAt(surface.mesh, triangle, query.exactRay()); };
+  if (!t || !query.offerShadow({*t, surface.passThrough, surface.object, triangle}, entering)) {
+    arguments->valid[0] = 0;
+  }
+}
+
+void intersectAnalytic(const RTCIntersectFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  const AnalyticSurface& surface = *query.scene().analytic[arguments->primID];
+  const Crossings crossings = intersect(surface, query.exactRay());
+  for (int i = 0; i < crossings.count; ++i) {
+    if (!query.offer({crossings.t[i], surface.passThrough, surface.object, 0})) continue;
+    RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0) = query.embreeFar();
+    RTCHitN_geomID(RTCRayHitN_HitN(arguments->rayhit, arguments->N), arguments->N, 0) = arguments->geomID;
+  }
+}
+
+void occludeAnalytic(const RTCOccludedFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  const AnalyticSurface& surface = *query.scene().analytic[arguments->primID];
+  const Crossings crossings = intersect(surface, query.exactRay());
+  for (int i = 0; i < crossings.count; ++i) {
+    const double t = crossings.t[i];
+    const auto entering = [&] { return entersAt(surface, query.exactRay(), t); };
+    if (!query.offerShadow({t, surface.passThrough, surface.object, 0}, entering)) continue;
+    RTCRayN_tfar(arguments->ray, arguments->N, 0) = -std::numeric_limits<float>::infinity();
+    return;
+  }
+}
+
+void recordVolume(const RTCIntersectFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  query.record(query.scene().bounded[arguments->primID]);
+}
+
+void recordShadowVolume(const RTCOccludedFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  query.record(query.scene().bounded[arguments->primID]);
+}
+
+std::optional<SurfaceHit> Scene::closestHit(const Ray<World>& ray, SpanBuffer& spans, Counters& counters,
+                                            const HitKey* after) const {
+  ++counters.closestHitQueries;
+  Query query(*data_, ray, spans, counters, after);
+  if (!query.isValid()) {
+    ++counters.invalidRays;
+    return {};
+  }
+  if (query.isEmpty()) return {};
+  query.findClosest();
+  return query.hit();
+}
+
+bool Scene::occluded(const Ray<World>& ray, SpanBuffer& spans, InterfaceBuffer& interfaces, Counters& counters) const {
+  ++counters.occlusionQueries;
+  interfaces.clear();
+  Query query(*data_, ray, spans, counters, nullptr);
+  if (!query.isValid()) {
+    ++counters.invalidRays;
+    return false;
+  }
+  if (query.isEmpty()) return false;
+  return query.findOccluder(interfaces);
+}
+
+Counters& Counters::operator+=(const Counters& other) {
+  closestHitQueries += other.closestHitQueries;
+  occlusionQueries += other.occlusionQueries;
+  volumeTests += other.volumeTests;
+  spans += other.spans;
+  invalidRays += other.invalidRays;
+  return *this;
+}
+
+Scene::Scene(std::unique_ptr<const SceneData> data) : data_(std::move(data)) {}
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+Box<World> Scene::bounds() const { return data_->bounds; }
+ObjectId Scene::objectCount() const { return static_cast<ObjectId>(data_->surfaces.size()); }
+VolumeId Scene::volumeCount() const { return static_cast<VolumeId>(data_->volumes.size()); }
+const TriangleMesh* Scene::mesh(ObjectId object) const {
+  const auto& mesh = data_->surfaces[object].mesh;
+  return mesh ? &mesh->mesh : nullptr;
+}
+const ConvexVolume& Scene::volume(VolumeId volume) const { return *data_->volumes[volume]; }
+const std::string& Scene::isa() const { return data_->isa; }
+
+}  // namespace aerosol::accel

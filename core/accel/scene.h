@@ -1,0 +1,98 @@
+// All surfaces and volume primitives of a scene in one acceleration structure, and the ray queries.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/accel/convex_volume.h"
+#include "core/accel/hit.h"
+#include "core/accel/mesh.h"
+#include "core/base/result.h"
+
+namespace aerosol::accel {
+
+/// Counts of one thread; passed into every query.
+struct Counters {
+  std::uint64_t closestHitQueries = 0;
+  std::uint64_t occlusionQueries = 0;
+  std::uint64_t volumeTests = 0;  ///< Rays tested against a volume primitive's exact shape.
+  std::uint64_t spans = 0;        ///< Volume spans returned.
+  std::uint64_t invalidRays = 0;  ///< Rays that were not finite; they hit nothing.
+
+  Counters& operator+=(const Counters& other);
+};
+
+struct SceneOptions {
+  /// The instruction set for intersections: sse2, sse4.2, avx, avx2, avx512; empty: the best of this machine. Hits may
+  /// differ in the last bit between two of them.
+  std::string embreeIsa;
+};
+
+struct SceneData;
+
+/// Immutable; every query is safe to call from any thread at once. Rays need a finite origin, a finite direction that
+/// is not zero, and 0 <= tMin (a negative one counts as 0); other rays hit nothing and are counted.
+class Scene {
+ public:
+  explicit Scene(std::unique_ptr<const SceneData> data);
+  ~Scene();
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+
+  /// The first surface with tMin < t < tMax, and (replacing the content of `spans`) the volume spans between tMin and
+  /// that hit, or tMax without a hit, sorted by (t0, volume). A ray that starts in a volume has a span that begins at
+  /// tMin.
+  ///
+  /// With `after`, the key of an earlier hit of the same ray: the next hit in the order of HitKey, and the spans from
+  /// there on. That is how to go on behind a pass-through surface: no hit is lost or found twice, coincident or not. A
+  /// crossing at an edge that triangles share, or of doubled faces, is one hit.
+  std::optional<SurfaceHit> closestHit(const Ray<World>& ray, SpanBuffer& spans, Counters& counters,
+                                       const HitKey* after = nullptr) const;
+
+  /// Whether an opaque surface has tMin < t < tMax. If not, `spans` holds all volume spans in [tMin, tMax], sorted by
+  /// (t0, volume), and `interfaces` all hits of pass-through surfaces in the order of HitKey; if so, both are empty.
+  bool occluded(const Ray<World>& ray, SpanBuffer& spans, InterfaceBuffer& interfaces, Counters& counters) const;
+
+  /// Bounds of every surface and of every finite volume.
+  Box<World> bounds() const;
+  ObjectId objectCount() const;
+  VolumeId volumeCount() const;
+  /// The mesh of an object with its normals resolved; null for spheres and disks.
+  const TriangleMesh* mesh(ObjectId object) const;
+  const ConvexVolume& volume(VolumeId volume) const;
+  /// The instruction set in use, as in SceneOptions.
+  const std::string& isa() const;
+
+ private:
+  std::unique_ptr<const SceneData> data_;
+};
+
+/// Collects primitives. What is wrong with one is an error without a location: the caller knows where it came from.
+class SceneBuilder {
+ public:
+  SceneBuilder();
+  ~SceneBuilder();
+  SceneBuilder(SceneBuilder&&) noexcept;
+  SceneBuilder& operator=(SceneBuilder&&) noexcept;
+
+  /// `passThrough` surfaces (null bsdf) do not stop shadow rays.
+  Result<ObjectId> addMesh(TriangleMesh mesh, bool passThrough = false);
+  /// The unit sphere; `toWorld` may be any invertible affine map.
+  Result<ObjectId> addSphere(const Transform<World, Object>& toWorld, bool passThrough = false,
+                             bool flipNormals = false);
+  /// The unit disk in the xy plane, facing +z.
+  Result<ObjectId> addDisk(const Transform<World, Object>& toWorld, bool passThrough = false, bool flipNormals = false);
+  Result<VolumeId> addVolume(std::unique_ptr<const ConvexVolume> volume);
+
+  /// Builds the acceleration structure on all cores; the builder is empty afterwards.
+  Result<Scene> build(const SceneOptions& options = {});
+
+ private:
+  std::unique_ptr<SceneData> data_;
+};
+
+/// Embree's version, such as "3.13.5".
+std::string version();
+
+}  // namespace aerosol::accel

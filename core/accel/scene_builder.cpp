@@ -1,0 +1,229 @@
+#include <algorithm>
+
+#include "core/accel/scene_data.h"
+
+namespace aerosol::accel {
+
+namespace {
+
+/// Embree takes coordinates up to 1.8e18; volumes beyond that are treated as infinite.
+constexpr float largestCoordinate = 1e18f;
+
+Diagnostic makeError(std::string message, std::vector<std::string> notes = {}) {
+  return {Severity::error, {}, std::move(message), {}, std::move(notes)};
+}
+
+bool allFinite(const Matrix4& m) {
+  return std::ranges::all_of(
+      m, [](const auto& row) { return std::ranges::all_of(row, [](double x) { return std::isfinite(x); }); });
+}
+
+bool isUsable(const Transform<World, Object>& toWorld) {
+  return allFinite(toWorld.matrix()) && allFinite(toWorld.inverseMatrix()) && linearDeterminant(toWorld.matrix()) != 0;
+}
+
+bool hasNan(const Box<World>& box) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::isnan(box.lower[i]) || std::isnan(box.upper[i])) return true;
+  }
+  return false;
+}
+
+bool isBounded(const Box<World>& box) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::fabs(box.lower[i]) > largestCoordinate || std::fabs(box.upper[i]) > largestCoordinate) return false;
+  }
+  return true;
+}
+
+/// Traversal is in float and may miss a box that is touched exactly, or a flat one; user geometry decides in double
+/// whatever box it is given, so boxes are enlarged a little.
+RTCBounds paddedBounds(const Box<World>& box) {
+  float lower[3], upper[3];
+  for (int i = 0; i < 3; ++i) {
+    const float magnitude = std::max({std::fabs(box.lower[i]), std::fabs(box.upper[i]), 1e-30f});
+    const float pad = 1e-6f * magnitude;
+    lower[i] = box.lower[i] - pad;
+    upper[i] = box.upper[i] + pad;
+  }
+  return {lower[0], lower[1], lower[2], 0, upper[0], upper[1], upper[2], 0};
+}
+
+void analyticBounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto& data = *static_cast<const SceneData*>(arguments->geometryUserPtr);
+  *arguments->bounds_o = paddedBounds(data.analytic[arguments->primID]->worldBounds());
+}
+
+void volumeBounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto& data = *static_cast<const SceneData*>(arguments->geometryUserPtr);
+  *arguments->bounds_o = paddedBounds(data.volumes[data.bounded[arguments->primID]]->worldBounds());
+}
+
+void attach(const SceneData& data, RTCGeometry geometry) {
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(data.scene, geometry);
+  rtcReleaseGeometry(geometry);
+}
+
+static_assert(sizeof(Point<World>) == 3 * sizeof(float) && sizeof(std::array<std::uint32_t, 3>) == 12);
+
+/// The buffers are shared with Embree, which reads 16 bytes from the last vertex on: addMesh saw to the room.
+void attachMesh(const SceneData& data, const MeshSurface& surface) {
+  const TriangleMesh& mesh = surface.mesh;
+  if (mesh.triangles.empty()) return;
+  RTCGeometry geometry = rtcNewGeometry(data.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
+                             sizeof(Point<World>), mesh.positions.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                             sizeof(mesh.triangles[0]), mesh.triangles.size());
+  rtcSetGeometryUserData(geometry, const_cast<MeshSurface*>(&surface));
+  rtcSetGeometryIntersectFilterFunction(geometry, acceptTriangle);
+  rtcSetGeometryOccludedFilterFunction(geometry, acceptShadowTriangle);
+  attach(data, geometry);
+}
+
+void attachUser(const SceneData& data, std::size_t count, RTCBoundsFunction bounds, RTCIntersectFunctionN intersect,
+                RTCOccludedFunctionN occluded) {
+  if (count == 0) return;
+  RTCGeometry geometry = rtcNewGeometry(data.device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(count));
+  rtcSetGeometryUserData(geometry, const_cast<SceneData*>(&data));
+  rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, intersect);
+  rtcSetGeometryOccludedFunction(geometry, occluded);
+  attach(data, geometry);
+}
+
+void extend(Box<World>& bounds, const Box<World>& box) {
+  bounds.extend(box.lower);
+  bounds.extend(box.upper);
+}
+
+/// Sorts the primitives into the tables of `data` and takes the bounds of all of them.
+void indexPrimitives(SceneData& data) {
+  for (const Surface& surface : data.surfaces) {
+    if (surface.analytic) {
+      data.analytic.push_back(surface.analytic.get());
+      extend(data.bounds, surface.analytic->worldBounds());
+      continue;
+    }
+    for (const auto& triangle : surface.mesh->mesh.triangles) {
+      for (const std::uint32_t corner : triangle) data.bounds.extend(surface.mesh->mesh.positions[corner]);
+    }
+  }
+  for (VolumeId i = 0; i < data.volumes.size(); ++i) {
+    const Box<World> box = data.volumes[i]->worldBounds();
+    if (box.isEmpty()) continue;
+    if (!isBounded(box)) {
+      data.unbounded.push_back(i);
+      continue;
+    }
+    data.bounded.push_back(i);
+    extend(data.bounds, box);
+  }
+}
+
+struct IsaLevel {
+  const char* name;
+  bool supported;
+};
+
+std::vector<IsaLevel> isaLevels() {
+#if defined(__x86_64__)
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                      __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512bw") &&
+                      __builtin_cpu_supports("avx512vl");
+  return {{"avx512", avx512},
+          {"avx2", __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")},
+          {"avx", static_cast<bool>(__builtin_cpu_supports("avx"))},
+          {"sse4.2", static_cast<bool>(__builtin_cpu_supports("sse4.2"))},
+          {"sse2", true}};
+#else
+  return {{"neon", true}};
+#endif
+}
+
+/// The level to use; Embree itself takes any name without complaint and crashes on what the machine lacks.
+Result<std::string> chooseIsa(const std::string& wanted) {
+  std::vector<std::string> notes{"known levels:"};
+  for (const IsaLevel& level : isaLevels()) {
+    if (level.supported && (wanted.empty() || wanted == level.name)) return std::string(level.name);
+    if (wanted == level.name) return makeError("this machine has no " + wanted + " for Embree");
+    notes[0] += std::string(" ") + level.name;
+  }
+  return makeError("'" + wanted + "' is not an instruction set of Embree", std::move(notes));
+}
+
+}  // namespace
+
+SceneBuilder::SceneBuilder() : data_(std::make_unique<SceneData>()) {}
+SceneBuilder::~SceneBuilder() = default;
+SceneBuilder::SceneBuilder(SceneBuilder&&) noexcept = default;
+SceneBuilder& SceneBuilder::operator=(SceneBuilder&&) noexcept = default;
+
+Result<ObjectId> SceneBuilder::addMesh(TriangleMesh mesh, bool passThrough) {
+  if (auto defect = findDefect(mesh)) return makeError(*defect);
+  for (const auto& p : mesh.positions) {
+    if (!isBounded({p, p})) return makeError("a position of the mesh is beyond 1e18");
+  }
+  resolveNormals(mesh);
+  mesh.positions.reserve(mesh.positions.size() + 1);
+  const auto object = static_cast<ObjectId>(data_->surfaces.size());
+  auto surface = std::make_unique<MeshSurface>(MeshSurface{object, passThrough, std::move(mesh)});
+  data_->surfaces.push_back({std::move(surface), nullptr});
+  return object;
+}
+
+namespace {
+
+Result<ObjectId> addAnalytic(SceneData& data, AnalyticSurface surface) {
+  if (!isUsable(surface.toWorld)) return makeError("the transform cannot be inverted or is not finite");
+  if (!isBounded(surface.worldBounds())) return makeError("the shape reaches beyond 1e18");
+  surface.object = static_cast<ObjectId>(data.surfaces.size());
+  data.surfaces.push_back({nullptr, std::make_unique<AnalyticSurface>(surface)});
+  return surface.object;
+}
+
+}  // namespace
+
+Result<ObjectId> SceneBuilder::addSphere(const Transform<World, Object>& toWorld, bool passThrough, bool flipNormals) {
+  return addAnalytic(*data_, {AnalyticSurface::Kind::sphere, 0, passThrough, flipNormals, toWorld});
+}
+
+Result<ObjectId> SceneBuilder::addDisk(const Transform<World, Object>& toWorld, bool passThrough, bool flipNormals) {
+  return addAnalytic(*data_, {AnalyticSurface::Kind::disk, 0, passThrough, flipNormals, toWorld});
+}
+
+Result<VolumeId> SceneBuilder::addVolume(std::unique_ptr<const ConvexVolume> volume) {
+  if (hasNan(volume->worldBounds())) return makeError("the transform cannot be inverted or is not finite");
+  data_->volumes.push_back(std::move(volume));
+  return static_cast<VolumeId>(data_->volumes.size() - 1);
+}
+
+Result<Scene> SceneBuilder::build(const SceneOptions& options) {
+  auto isa = chooseIsa(options.embreeIsa);
+  if (!isa) return isa.errors();
+  std::unique_ptr<SceneData> data = std::move(data_);
+  data_ = std::make_unique<SceneData>();
+  data->isa = *isa;
+  indexPrimitives(*data);
+
+  data->device = rtcNewDevice(("isa=" + data->isa).c_str());
+  if (!data->device) return makeError("Embree cannot be started");
+  data->scene = rtcNewScene(data->device);
+  rtcSetSceneFlags(data->scene, RTC_SCENE_FLAG_ROBUST);
+  for (const Surface& surface : data->surfaces) {
+    if (surface.mesh) attachMesh(*data, *surface.mesh);
+  }
+  attachUser(*data, data->analytic.size(), analyticBounds, intersectAnalytic, occludeAnalytic);
+  attachUser(*data, data->bounded.size(), volumeBounds, recordVolume, recordShadowVolume);
+  rtcCommitScene(data->scene);
+  if (rtcGetDeviceError(data->device) != RTC_ERROR_NONE) {
+    return makeError("Embree cannot build the acceleration structure: out of memory, or too many primitives");
+  }
+  return Scene(std::move(data));
+}
+
+std::string version() { return RTC_VERSION_STRING; }
+
+}  // namespace aerosol::accel

@@ -1,0 +1,62 @@
+// What a command line asks for, as plain data.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/scene/description.h"
+
+namespace aerosol::app {
+
+/// How shaders are found and compiled, the same for all commands.
+struct KernelArguments {
+  std::vector<std::filesystem::path> shaderPath;  ///< Options first, then $AEROSOL_SHADER_PATH.
+  std::optional<int> width;                       ///< Lanes: 16, 8, 4 or 1; none: the best of this machine.
+  std::string isa;                                ///< "avx2" or "avx512"; empty: the best of this machine.
+  bool useCache = true;
+};
+
+/// Pixels of the film, from its upper left corner.
+struct Crop {
+  int x = 0, y = 0, width = 0, height = 0;
+
+  friend bool operator==(const Crop&, const Crop&) = default;
+};
+
+struct RenderArguments {
+  std::filesystem::path scene;
+  std::vector<std::string> outputs;
+  std::map<std::string, std::string> defines;
+  std::vector<std::string> overrides;
+  std::optional<int> samplesPerPixel;
+  std::optional<int> seed;
+  std::optional<Crop> crop;
+  std::optional<scene::DistanceSampling> distance;
+  std::optional<float> stepScale;
+  int threads = 0;  ///< 0: one a processor.
+  bool quiet = false;
+  bool statistics = false;
+  bool countLanes = false;
+  KernelArguments kernels;
+};
+
+struct CompileArguments {
+  std::vector<std::filesystem::path> shaders;
+  KernelArguments kernels;
+};
+
+struct HelpArguments {
+  std::string topic;  ///< Empty: everything in short.
+  KernelArguments kernels;
+};
+
+struct VersionArguments {};
+
+using Arguments = std::variant<RenderArguments, CompileArguments, HelpArguments, VersionArguments>;
+
+}  // namespace aerosol::app

@@ -1,0 +1,13 @@
+#include <exception>
+
+#include "core/app/run.h"
+
+int main(int argc, char** argv) {
+  const aerosol::app::Console console = aerosol::app::standardConsole();
+  try {
+    return static_cast<int>(aerosol::app::run({argv + 1, argv + argc}, console));
+  } catch (const std::exception& failure) {  // No memory left, above all.
+    console.note(std::string("aerosol: error: ") + failure.what() + "\n");
+    return static_cast<int>(aerosol::app::ExitCode::badInput);
+  }
+}

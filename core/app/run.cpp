@@ -1,0 +1,44 @@
+#include "core/app/run.h"
+
+#include <cstdlib>
+#include <variant>
+
+#include "core/app/command_line.h"
+#include "core/app/compile_command.h"
+#include "core/app/help_command.h"
+#include "core/app/render_command.h"
+#include "core/app/version_command.h"
+
+namespace aerosol::app {
+
+namespace {
+
+struct Runner {
+  const Console& console;
+
+  ExitCode operator()(const RenderArguments& arguments) const { return renderCommand(arguments, console); }
+  ExitCode operator()(const CompileArguments& arguments) const { return compileCommand(arguments, console); }
+  ExitCode operator()(const HelpArguments& arguments) const { return helpCommand(arguments, console); }
+  ExitCode operator()(const VersionArguments&) const { return versionCommand(console); }
+};
+
+}  // namespace
+
+ExitCode run(const std::vector<std::string>& arguments, const Console& console) {
+  const char* const shaderPath = std::getenv("AEROSOL_SHADER_PATH");
+  const auto parsed = parseCommandLine(arguments, shaderPath ? shaderPath : "");
+  ExitCode code = ExitCode::success;
+  if (const Reply* reply = std::get_if<Reply>(&parsed)) {
+    code = reply->code;
+    code == ExitCode::success ? console.print(reply->text) : console.note(reply->text);
+  } else {
+    code = std::visit(Runner{console}, std::get<Arguments>(parsed));
+  }
+  if (std::fflush(console.out) != 0 || std::ferror(console.out)) {
+    console.note("aerosol: error: cannot write to the standard output\n");
+    if (code == ExitCode::success) code = ExitCode::badInput;
+  }
+  return code;
+}
+
+}  // namespace aerosol::app

@@ -1,0 +1,131 @@
+#include "core/app/shader_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "core/app/quantity.h"
+#include "core/volume/trackers/null_scattering.h"
+
+namespace aerosol::app {
+
+namespace {
+
+Severity severityOf(std::uint32_t kind) { return kind == AEROSOL_MESSAGE_ERROR ? Severity::error : Severity::warning; }
+
+std::string describe(const render::PathId& path) {
+  return fmt::format("pixel ({}, {}), sample {}", path.x, path.y, path.sample);
+}
+
+std::string withoutLineEnd(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
+std::string describe(Color color) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", color.r, color.g, color.b); }
+
+bool isSound(Color color) { return isFinite(color) && minimum(color) >= 0; }
+
+/// Those of the coefficients that are wrong.
+std::string describeUnsound(const volume::Coefficients& given) {
+  std::string text;
+  const auto add = [&](bool isSound, const char* what, Color value) {
+    if (!isSound) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", what, describe(value));
+  };
+  add(isSound(given.sigmaT), "extinction", given.sigmaT);
+  add(isSound(given.sigmaS), "scattering", given.sigmaS);
+  add(isFinite(given.emission), "emission", given.emission);
+  return text;
+}
+
+/// Up to three digits, never below `value`.
+double roundUp(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+  return std::ceil(value / unit) * unit;
+}
+
+}  // namespace
+
+ShaderReport reportMessages(const std::vector<render::Message>& messages, std::uint64_t dropped) {
+  ShaderReport report;
+  using Key = std::tuple<std::uint32_t, std::string, int, int, std::string>;
+  std::map<Key, std::size_t> places;  // In `report.messages`.
+  std::vector<std::uint64_t> counts;
+  for (const render::Message& message : messages) {
+    if (message.kind == AEROSOL_MESSAGE_PRINT) {
+      report.printed += message.text;
+      continue;
+    }
+    const SourceLocation& at = message.location;
+    const auto [place, isNew] =
+        places.emplace(Key(message.kind, at.file, at.line, at.column, message.text), counts.size());
+    if (isNew) {
+      counts.push_back(0);
+      report.messages.add(
+          {severityOf(message.kind), at, withoutLineEnd(message.text), {}, {"at " + describe(message.path)}});
+    }
+    ++counts[place->second];
+  }
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 1) continue;
+    report.messages.entries()[i].notes[0] =
+        fmt::format("said {}, first {}", formatCount(counts[i], "time"), report.messages.entries()[i].notes[0]);
+  }
+  if (dropped > 0) {
+    report.messages.warning({}, formatCount(dropped, "further shader message") + " not kept",
+                            {"a shader that speaks at every point says little: use `if` to choose points"});
+  }
+  return report;
+}
+
+Diagnostics reportInvalidCoefficients(const render::PreparedScene& scene) {
+  Diagnostics warnings;
+  for (const auto& [medium, invalid] : scene.messages->invalid()) {
+    const Point<World> p = invalid.point;
+    warnings.warning(scene.mediumLocations[medium],
+                     fmt::format("volume shader '{}' gave {} that no medium can have, taken as 0",
+                                 scene.mediumNames[medium], formatCount(invalid.count, "result")),
+                     {fmt::format("first at {}, world point ({:.6g}, {:.6g}, {:.6g}): {}", describe(invalid.path), p.x,
+                                  p.y, p.z, describeUnsound(invalid.given))});
+  }
+  return warnings;
+}
+
+Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::TrackerStatistics& trackers) {
+  Diagnostics warnings;
+  if (trackers.boundViolations > 0) {
+    const volume::Medium& medium = scene.media[trackers.worstMedium];
+    const double bound = static_cast<double>(volume::workingBound(medium));
+    const double largest = bound * static_cast<double>(trackers.worstViolation);
+    warnings.warning(
+        scene.mediumLocations[medium.index],
+        fmt::format("the extinction of '{}' was above its bound of {:.6g} at {}; the image is right but noisier",
+                    scene.mediumNames[medium.index], bound, formatCount(trackers.boundViolations, "point")),
+        {fmt::format(
+            "the largest value met was {:.6g}; declare <float name=\"density_bound\" value=\"{:.6g}\"/>, or more",
+            largest, roundUp(largest))});
+  }
+  if (trackers.stepLimits > 0) {
+    warnings.warning({},
+                     fmt::format("{} given up after {} tentative collisions",
+                                 formatCount(trackers.stepLimits, "ray segment"), formatCount(volume::maximumSteps)),
+                     {"a density bound is far above what the shader gives"});
+  }
+  return warnings;
+}
+
+Diagnostics reportDroppedSamples(const render::Film& film) {
+  Diagnostics warnings;
+  if (film.droppedCount() == 0) return warnings;
+  std::vector<std::string> notes;
+  for (const render::DroppedSample& sample : film.firstDropped()) {
+    notes.push_back(fmt::format("pixel ({}, {}), sample {}: {}", sample.x, sample.y, sample.sample,
+                                describe(Color(sample.value.color))));
+  }
+  warnings.warning({}, formatCount(film.droppedCount(), "sample") + " not finite and dropped", std::move(notes));
+  return warnings;
+}
+
+}  // namespace aerosol::app

@@ -1,0 +1,33 @@
+// What shaders said and did wrong during a render.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/diagnostic.h"
+#include "core/render/film.h"
+#include "core/render/message_log.h"
+#include "core/render/prepared_scene.h"
+#include "core/render/statistics.h"
+
+namespace aerosol::app {
+
+/// All that is printed once the image is safe.
+struct ShaderReport {
+  std::string printed;   ///< Of printf, in the order (pixel, sample, call).
+  Diagnostics messages;  ///< warning(), error() and reports; one said many times stands where it was first said.
+};
+
+/// `dropped` messages were too many to be kept.
+ShaderReport reportMessages(const std::vector<render::Message>& messages, std::uint64_t dropped);
+
+/// Results of volume shaders that were NaN, infinite or negative, once a medium.
+Diagnostics reportInvalidCoefficients(const render::PreparedScene& scene);
+
+/// Extinction above the bound that null scattering relies on, with the bound to declare instead; segments given up.
+Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::TrackerStatistics& trackers);
+
+/// Samples that were not finite, which the film dropped.
+Diagnostics reportDroppedSamples(const render::Film& film);
+
+}  // namespace aerosol::app

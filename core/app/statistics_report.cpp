@@ -1,0 +1,96 @@
+#include "core/app/statistics_report.h"
+
+#include <fmt/format.h>
+
+#include "core/app/quantity.h"
+
+namespace aerosol::app {
+
+namespace {
+
+double number(std::uint64_t count) { return static_cast<double>(count); }
+double ratio(std::uint64_t a, std::uint64_t b) { return b > 0 ? number(a) / number(b) : 0; }
+
+/// Rows of a name and a text.
+class Table {
+ public:
+  void row(const char* name, const std::string& value) { text_ += fmt::format("  {:<16}{}\n", name, value); }
+  std::string take() { return "Statistics\n" + text_; }
+
+ private:
+  std::string text_;
+};
+
+std::string describeKernels(const render::PreparedScene& scene) {
+  int kernels = 0, cached = 0;
+  double seconds = 0;
+  for (const shading::Family& family : scene.shading.families()) {
+    for (const auto& kernel : family.kernels) {
+      if (!kernel) continue;
+      const jit::CompileTimes& t = kernel->times();
+      ++kernels;
+      cached += t.fromCache;
+      seconds += t.lowering + t.linkRuntime + t.optimisation + t.codeGeneration + t.loading;
+    }
+  }
+  return fmt::format("{} of {} shaders, {} from the cache, {} of one processor", kernels,
+                     scene.shading.families().size(), cached, formatDuration(seconds));
+}
+
+void addKernelCalls(Table& table, const render::WorkerStatistics& s, double threadSeconds) {
+  table.row("shader points", fmt::format("{}, {:.1f} a sample, {:.0f} ns of a thread's whole work each",
+                                         formatCount(s.kernelPoints), ratio(s.kernelPoints, s.samples),
+                                         s.kernelPoints > 0 ? threadSeconds * 1e9 / number(s.kernelPoints) : 0));
+  table.row("kernel calls", fmt::format("{}, {:.0f} points each in the mean", formatCount(s.kernelCalls),
+                                        ratio(s.kernelPoints, s.kernelCalls)));
+  std::string lanes = formatPercent(number(s.kernelPoints), number(s.kernelLanes)) + " filled by batches";
+  if (s.countedLanesRun > 0) {
+    lanes += fmt::format("; {} at work inside shaders, weighted by cost",
+                         formatPercent(number(s.countedLanesUsed), number(s.countedLanesRun)));
+  }
+  table.row("lanes used", lanes);
+}
+
+void addTrackers(Table& table, const render::WorkerStatistics& s) {
+  table.row("tracker points", fmt::format("{}, {} above their bound", formatCount(s.trackers.points),
+                                          formatCount(s.trackers.boundViolations)));
+  if (s.trackers.boundViolations > 0) {
+    table.row("worst excess", fmt::format("{:.4g} times the bound", s.trackers.worstViolation));
+  }
+  if (s.invalidCoefficients > 0) table.row("invalid results", formatCount(s.invalidCoefficients));
+}
+
+}  // namespace
+
+std::string formatStatistics(const render::PreparedScene& scene, const render::RenderReport& report,
+                             const render::Film& film, const PreparationTimes& times, int threads,
+                             const jit::ObjectCache* cache) {
+  const render::WorkerStatistics& s = report.statistics;
+  const double rate = report.seconds > 0 ? number(s.samples) / report.seconds : 0;
+  Table table;
+  table.row("time", fmt::format("{} to render on {} thread{}, {} to prepare, {} to read the scene",
+                                formatDuration(report.seconds), threads, threads == 1 ? "" : "s",
+                                formatDuration(times.prepare), formatDuration(times.load)));
+  table.row("kernels", describeKernels(scene));
+  if (cache) {
+    const jit::CacheStatistics c = cache->statistics();
+    table.row("cache",
+              fmt::format("{} found, {} missed, {} damaged, {} written", c.hits, c.misses, c.damaged, c.written));
+  }
+  table.row("samples", fmt::format("{}, {} a second", formatCount(s.samples), formatShort(rate)));
+  table.row("path vertices",
+            fmt::format("{}, {:.2f} a sample", formatCount(s.pathVertices), ratio(s.pathVertices, s.samples)));
+  table.row("rays", fmt::format("{} for hits, {} for shadows", formatCount(s.accel.closestHitQueries),
+                                formatCount(s.accel.occlusionQueries)));
+  if (s.accel.invalidRays > 0) table.row("invalid rays", formatCount(s.accel.invalidRays));
+  addKernelCalls(table, s, report.seconds * threads);
+  addTrackers(table, s);
+  if (film.droppedCount() > 0) table.row("dropped samples", formatCount(film.droppedCount()));
+  table.row("film", fmt::format("{}B", formatShort(number(film.bytes()))));
+  if (s.frameHeapBlocks > 0) {
+    table.row("path frames", fmt::format("{} did not fit their slot", formatCount(s.frameHeapBlocks)));
+  }
+  return table.take();
+}
+
+}  // namespace aerosol::app

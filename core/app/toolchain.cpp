@@ -1,0 +1,43 @@
+#include "core/app/toolchain.h"
+
+#include <utility>
+
+namespace aerosol::app {
+
+std::shared_ptr<jit::ObjectCache> openCache(const KernelArguments& arguments, Diagnostics& warnings) {
+  if (!arguments.useCache) return nullptr;
+  const std::filesystem::path folder = jit::ObjectCache::defaultFolder();
+  if (folder.empty()) return nullptr;
+  auto cache = jit::ObjectCache::open(folder);
+  if (cache) return *cache;
+  for (Diagnostic problem : cache.errors().entries()) {
+    problem.severity = Severity::warning;
+    problem.notes.push_back("shaders are compiled anew every time");
+    warnings.add(std::move(problem));
+  }
+  return nullptr;
+}
+
+Result<Toolchain> openToolchain(const KernelArguments& arguments, Diagnostics& warnings) {
+  auto installation = findInstallation();
+  if (!installation) return installation.errors();
+  const auto isa = arguments.isa.empty() ? std::nullopt : std::optional<std::string_view>(arguments.isa);
+  const auto target = jit::chooseTarget(arguments.width, isa);
+  if (!target) return target.errors();
+  std::shared_ptr<jit::ObjectCache> cache = openCache(arguments, warnings);
+  auto compiler = jit::Compiler::create({installation->runtime, cache});
+  if (!compiler) return compiler.errors();
+  return Toolchain{std::move(*installation), std::move(cache), std::move(*compiler), *target};
+}
+
+shading::ShaderLibrary openShaderLibrary(const KernelArguments& arguments, const Installation& installation,
+                                         std::shared_ptr<jit::ObjectCache> cache) {
+  std::vector<std::filesystem::path> path = arguments.shaderPath;
+  path.push_back(installation.shaders);
+  lang::CompileOptions options;
+  options.includePaths = path;
+  options.standardLibrary = installation.shaders / "stdosl.h";
+  return {path, options, std::move(cache)};
+}
+
+}  // namespace aerosol::app

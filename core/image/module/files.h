@@ -1,0 +1,15 @@
+// Reading and writing through OpenImageIO. Internal to the module.
+#pragma once
+
+#include <string>
+
+#include "core/image/image.h"
+
+namespace aerosol::image {
+
+/// See ModuleTable.
+std::string writeFile(const std::string& path, const std::string& format, const ImageBuffer& image,
+                      const WriteOptions& options, WriteReport& report);
+std::string readFile(const std::string& path, ImageBuffer& image);
+
+}  // namespace aerosol::image

@@ -1,0 +1,24 @@
+// What the module of image libraries offers the program. Both are of one build; no function throws.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/image/image.h"
+
+namespace aerosol::image {
+
+/// Each function returns an error message; empty when all went well.
+struct ModuleTable {
+  /// Writes to `path` in the format that the extension `format` (lower case, no dot) names.
+  std::string (*write)(const std::string& path, const std::string& format, const ImageBuffer& image,
+                       const WriteOptions& options, WriteReport& report);
+  std::string (*read)(const std::string& path, ImageBuffer& image);
+  std::vector<std::string> (*versions)();
+};
+
+/// The name and type of the module's only exported function.
+constexpr const char* moduleTableName = "aerosolImageModule";
+using ModuleTableFunction = const ModuleTable*();
+
+}  // namespace aerosol::image

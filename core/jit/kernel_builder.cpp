@@ -1,0 +1,239 @@
+#include "core/jit/kernel_builder.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/base/hash.h"
+#include "core/jit/lowering.h"
+#include "core/jit/spaces.h"
+#include "core/lang/analysis.h"
+#include "core/lang/uniformity.h"
+
+namespace aerosol::jit {
+
+using lang::Program;
+using lang::Storage;
+using lang::VariableId;
+
+namespace {
+
+unsigned alignUp(unsigned value, unsigned alignment) { return (value + alignment - 1) / alignment * alignment; }
+
+/// Instance blocks: the header, then every parameter that is not folded, in the program's order.
+void layOutInstances(const KernelRequest& request, KernelInterface& interface) {
+  unsigned offset = sizeof(AerosolInstanceHeader);
+  const auto add = [&](std::uint32_t parameter, bool isSetFlag, const lang::Type& type) {
+    const llvm::SmallVector<Kind, 4> kinds = kindsOf(type);
+    if (kinds.empty()) return;
+    const unsigned bytes = kinds[0] == Kind::string ? 8 : 4;
+    offset = alignUp(offset, bytes);
+    interface.fields.push_back({parameter, isSetFlag, offset, type});
+    offset += bytes * static_cast<unsigned>(kinds.size()) * static_cast<unsigned>(std::max(type.arrayLength, 1));
+  };
+  const std::vector<lang::Parameter>& parameters = request.program->parameters;
+  for (std::uint32_t i = 0; i < parameters.size(); ++i) {
+    const bool isFolded = std::any_of(request.folded.begin(), request.folded.end(),
+                                      [i](const FoldedParameter& folded) { return folded.parameter == i; });
+    if (isFolded) continue;
+    add(i, false, parameters[i].type);
+    if (!parameters[i].hasConstantDefault) add(i, true, lang::types::integer);
+  }
+  interface.instanceStride = alignUp(offset, 16);
+}
+
+/// The program with the folded parameters in place, cut down to the outputs.
+Program prepare(const KernelRequest& request) {
+  lang::ParameterValues values;
+  for (const FoldedParameter& folded : request.folded) values[folded.parameter] = folded.value;
+  const bool keepsMessages = request.messages && request.domain == Domain::wide;
+  // Outputs keep their places, but may name other variables once the program is specialised.
+  Program special = lang::specialise(*request.program, values);
+  std::vector<lang::Output> outputs = request.outputs;
+  for (lang::Output& output : outputs) {
+    for (std::size_t i = 0; i < request.program->outputs.size(); ++i) {
+      const lang::Output& original = request.program->outputs[i];
+      if (original.kind == output.kind && original.index == output.index && original.subIndex == output.subIndex) {
+        output = special.outputs[i];
+      }
+    }
+  }
+  Program program = lang::slice(special, outputs, keepsMessages ? lang::Messages::keep : lang::Messages::drop);
+  // Parameters that are written keep their variable; what it starts with is the folded value.
+  for (const FoldedParameter& folded : request.folded) {
+    const lang::Parameter& parameter = program.parameters[folded.parameter];
+    const bool isGiven = !std::holds_alternative<std::monostate>(folded.value);
+    if (parameter.variable != lang::noVariable) program.variables[parameter.variable].value = folded.value;
+    if (parameter.isSet != lang::noVariable) {
+      program.variables[parameter.isSet].value = std::vector<std::int32_t>{isGiven ? 1 : 0};
+    }
+  }
+  return program;
+}
+
+std::optional<Diagnostic> checkLimits(const Program& program, const KernelRequest& request) {
+  const std::size_t instructions = [&] {
+    std::size_t count = 0;
+    lang::forEachInstruction(program.body, [&](const lang::Instruction&) { ++count; });
+    return count;
+  }();
+  if (instructions > request.limits.instructions) {
+    Diagnostic error;
+    if (!program.locations.empty()) error.location = program.locations.front();
+    error.message =
+        "the shader is too large: " + std::to_string(instructions) + " instructions with all functions inlined";
+    error.notes.push_back("at most " + std::to_string(request.limits.instructions) + " are allowed");
+    return error;
+  }
+  const std::uint64_t parts = request.domain == Domain::range ? 3 : 1;
+  std::uint64_t bytes = 0;
+  for (const lang::Variable& variable : program.variables) {
+    if (variable.storage == Storage::constant || variable.storage == Storage::temporary) continue;
+    std::uint64_t size = 0;
+    for (const Kind kind : kindsOf(variable.type)) size += kind == Kind::string ? 8 : 4;
+    bytes += size * parts * static_cast<std::uint64_t>(std::max(variable.type.arrayLength, 1)) *
+             static_cast<std::uint64_t>(request.target.width);
+    if (bytes <= request.limits.frameBytes) continue;
+    Diagnostic error;
+    error.location = program.locations.at(variable.location);
+    error.message = "the variables of this shader take too much room: with '" + variable.name + "' " +
+                    std::to_string(bytes) + " bytes at " + std::to_string(request.target.width) + " lanes";
+    error.notes.push_back("at most " + std::to_string(request.limits.frameBytes) + " are allowed");
+    return error;
+  }
+  return {};
+}
+
+void collectStrings(const Program& program, KernelInterface& interface) {
+  const auto add = [&](const lang::ConstantValue& value) {
+    const auto* texts = std::get_if<std::vector<std::string>>(&value);
+    if (!texts) return;
+    for (const std::string& text : *texts) interface.strings.emplace(hashString(text), text);
+  };
+  for (const lang::Variable& variable : program.variables) add(variable.value);
+}
+
+lang::Uniformity::Inputs uniformityInputs(const Program& program, const KernelInterface& interface,
+                                          const KernelRequest& request) {
+  lang::Uniformity::Inputs inputs;
+  inputs.startsVarying = [&](VariableId id) {
+    const lang::Variable& variable = program.variables[id];
+    if (variable.storage == Storage::global) return globalComponents(variable.global) > 0;
+    if (variable.storage != Storage::parameter || !request.severalInstances) return false;
+    return std::any_of(interface.fields.begin(), interface.fields.end(),
+                       [&](const InstanceField& field) { return field.parameter == variable.parameter; });
+  };
+  inputs.callVaries = [&](const lang::Instruction& instruction) {
+    if (program.functions[instruction.function].symbol != "getmatrix_i_ssm") return false;
+    return spacesVary(program, instruction, request.severalInstances);
+  };
+  return inputs;
+}
+
+class OutputWriter {
+ public:
+  OutputWriter(Emitter& emitter, NumberDomain& domain, KernelFrame& frame, Variables& variables,
+               KernelInterface& interface)
+      : e_(emitter), domain_(domain), frame_(frame), variables_(variables), interface_(interface) {}
+
+  void write(const lang::Output& asked, VariableId variable) {
+    if (!variables_.isArray(variable)) {
+      const Value value = variables_.read(variable);
+      for (unsigned i = 0; i < value.size(); ++i) write(asked, i, value[i]);
+      return;
+    }
+    const ArrayMemory array = variables_.array(variable);
+    const auto components = static_cast<unsigned>(array.element.size());
+    for (unsigned i = 0; i < array.length * components; ++i) {
+      const std::uint64_t offset = variables_.offsetOf(array, i / components, i % components);
+      write(asked, i, domain_.load(array.element[i % components], array.varying, e_.pointerAt(array.base, offset)));
+    }
+  }
+
+ private:
+  void write(const lang::Output& asked, unsigned component, const Number& number) {
+    constexpr std::array rangeParts = {OutputPart::low, OutputPart::high, OutputPart::mayBeNan};
+    const Number lanes = domain_.varying(number);
+    const unsigned parts = domain_.partCount(number.kind);
+    for (unsigned part = 0; part < parts; ++part) {
+      const auto type = number.kind == Kind::floating  ? lang::BaseType::floating
+                        : number.kind == Kind::integer ? lang::BaseType::integer
+                                                       : lang::BaseType::string;
+      const OutputPart what = parts == 1 ? OutputPart::value : rangeParts[part];
+      frame_.storeOutput(static_cast<unsigned>(interface_.outputs.size()), lanes.parts[part]);
+      interface_.outputs.push_back({asked.kind, asked.index, asked.subIndex, component, type, what});
+    }
+  }
+
+  Emitter& e_;
+  NumberDomain& domain_;
+  KernelFrame& frame_;
+  Variables& variables_;
+  KernelInterface& interface_;
+};
+
+}  // namespace
+
+Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& request) {
+  const Program program = prepare(request);
+  if (auto error = checkLimits(program, request)) return std::move(*error);
+  KernelInterface interface;
+  interface.domain = request.domain;
+  interface.width = request.target.width;
+  interface.closureSites = request.program->closureSites;
+  interface.staticCost = Cost(program).of(program.body);
+  layOutInstances(request, interface);
+  collectStrings(program, interface);
+  for (const FoldedParameter& folded : request.folded) {
+    if (const auto* texts = std::get_if<std::vector<std::string>>(&folded.value)) {
+      for (const std::string& text : *texts) interface.strings.emplace(hashString(text), text);
+    }
+  }
+
+  const lang::Uniformity::Inputs inputs = uniformityInputs(program, interface, request);
+  const lang::Uniformity uniformity(program, program.body, inputs);
+  Emitter emitter(*declareKernel(module), request.target);
+  const std::unique_ptr<NumberDomain> domain =
+      request.domain == Domain::range ? makeRangeDomain(emitter) : makeWideDomain(emitter);
+  KernelFrame frame(emitter, *domain, interface, request.severalInstances);
+  frame.begin();
+  Variables variables(emitter, *domain, frame, interface, program, uniformity);
+  const LoweringOptions options{request.counters, request.messages && request.domain == Domain::wide};
+  Lowering(emitter, *domain, frame, variables, program, uniformity, interface, options).run();
+  OutputWriter writer(emitter, *domain, frame, variables, interface);
+  for (std::size_t i = 0; i < request.outputs.size(); ++i)
+    writer.write(request.outputs[i], program.outputs[i].variable);
+  frame.end();
+  return interface;
+}
+
+void readInterface(const llvm::Function& kernel, KernelInterface& interface) {
+  const llvm::DataLayout& layout = kernel.getParent()->getDataLayout();
+  const auto offsetFrom = [&](const llvm::Value* pointer, const llvm::Value*& base) {
+    llvm::APInt offset(64, 0);
+    base = pointer->stripAndAccumulateConstantOffsets(layout, offset, true);
+    return offset.getZExtValue();
+  };
+  const llvm::Value* globals = nullptr;
+  std::vector<const llvm::LoadInst*> loads;
+  for (const llvm::BasicBlock& block : kernel) {
+    for (const llvm::Instruction& instruction : block) {
+      const auto* load = llvm::dyn_cast<llvm::LoadInst>(&instruction);
+      if (!load) continue;
+      loads.push_back(load);
+      const llvm::Value* base = nullptr;
+      const std::uint64_t offset = offsetFrom(load->getPointerOperand(), base);
+      if (base != kernel.getArg(0)) continue;
+      if (offset == offsetof(AerosolKernelArguments, globals)) globals = load;
+      if (offset == offsetof(AerosolKernelArguments, instances)) interface.readsInstances = true;
+      if (offset == offsetof(AerosolKernelArguments, instanceData)) interface.readsInstanceData = true;
+    }
+  }
+  const std::uint64_t pointers = interface.domain == Domain::range ? 2 : 1;
+  for (const llvm::LoadInst* load : loads) {
+    const llvm::Value* base = nullptr;
+    const std::uint64_t offset = offsetFrom(load->getPointerOperand(), base);
+    if (globals && base == globals) interface.globalsRead |= 1u << (offset / (sizeof(void*) * pointers));
+  }
+}
+
+}  // namespace aerosol::jit

@@ -1,0 +1,318 @@
+#include "core/jit/kernel_frame.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/lang/abi.h"
+
+namespace aerosol::jit {
+
+llvm::SmallVector<Kind, 4> kindsOf(const lang::Type& type) {
+  if (type.closure) return {};
+  switch (type.base) {
+    case lang::BaseType::integer:
+      return {Kind::integer};
+    case lang::BaseType::floating:
+      return {Kind::floating};
+    case lang::BaseType::string:
+      return {Kind::string};
+    case lang::BaseType::matrix:
+      return llvm::SmallVector<Kind, 4>(16, Kind::floating);
+    case lang::BaseType::color:
+    case lang::BaseType::point:
+    case lang::BaseType::vector:
+    case lang::BaseType::normal:
+      return {Kind::floating, Kind::floating, Kind::floating};
+    default:
+      return {};
+  }
+}
+
+llvm::Function* declareKernel(llvm::Module& module) {
+  llvm::LLVMContext& context = module.getContext();
+  llvm::Type* const pointer = llvm::PointerType::getUnqual(context);
+  auto* const type = llvm::FunctionType::get(llvm::Type::getVoidTy(context), {pointer}, false);
+  auto* const function = llvm::Function::Create(type, llvm::Function::ExternalLinkage, "kernel", module);
+  function->setDoesNotThrow();
+  function->addParamAttr(0, llvm::Attribute::NoAlias);
+  function->addParamAttr(0, llvm::Attribute::ReadOnly);
+  function->addParamAttr(0, llvm::Attribute::getWithDereferenceableBytes(context, sizeof(AerosolKernelArguments)));
+  function->addParamAttr(0, llvm::Attribute::getWithAlignment(context, llvm::Align(alignof(AerosolKernelArguments))));
+  return function;
+}
+
+KernelFrame::KernelFrame(Emitter& emitter, NumberDomain& domain, const KernelInterface& interface,
+                         bool severalInstances)
+    : e_(emitter), domain_(domain), interface_(interface), severalInstances_(severalInstances) {}
+
+llvm::Value* KernelFrame::argument(unsigned offset, llvm::Type* type) {
+  llvm::LoadInst* const load = e_.ir.CreateLoad(type, e_.pointerAt(arguments_, offset));
+  load->setMetadata(llvm::LLVMContext::MD_invariant_load, llvm::MDNode::get(e_.context(), {}));
+  return load;
+}
+
+void KernelFrame::begin() {
+  arguments_ = e_.function().getArg(0);
+  llvm::BasicBlock* const entry = e_.block("entry");
+  chunk_ = e_.block("chunk");
+  llvm::BasicBlock* const chunkStart = e_.block("chunk.start");
+  latch_ = llvm::BasicBlock::Create(e_.context(), "chunk.next");
+  exit_ = llvm::BasicBlock::Create(e_.context(), "exit");
+
+  e_.ir.SetInsertPoint(entry);
+  count_ = argument(offsetof(AerosolKernelArguments, count), e_.ir.getInt32Ty());
+  context_ = argument(offsetof(AerosolKernelArguments, context), e_.ir.getPtrTy());
+  entryEnd_ = e_.ir.CreateCondBr(e_.ir.CreateICmpSGT(count_, e_.ir.getInt32(0)), chunk_, exit_);
+
+  e_.ir.SetInsertPoint(chunk_);
+  base_ = e_.ir.CreatePHI(e_.ir.getInt32Ty(), 2, "base");
+  base_->addIncoming(e_.ir.getInt32(0), entry);
+  llvm::Value* const lanes = activeLanes(count_);
+  active_ = {lanes, lanes};
+  e_.ir.CreateCondBr(e_.any(lanes), chunkStart, latch_);
+
+  e_.ir.SetInsertPoint(chunkStart);
+  llvm::BasicBlock* const body = e_.block("body");
+  chunkStartEnd_ = e_.ir.CreateBr(body);
+  e_.ir.SetInsertPoint(body);
+}
+
+/// Points of the chunk below the count whose flag is set. Without flags all read one constant.
+llvm::Value* KernelFrame::activeLanes(llvm::Value* count) {
+  auto* const indices = e_.ir.CreateAdd(e_.splat(static_cast<llvm::Value*>(base_)), e_.laneNumbers());
+  llvm::Value* const inside = e_.ir.CreateICmpULT(indices, e_.splat(count));
+  const auto [flags, mask] = atEntry([&] {
+    auto* const ones =
+        llvm::Constant::getAllOnesValue(llvm::FixedVectorType::get(e_.ir.getInt32Ty(), AEROSOL_MAXIMUM_WIDTH));
+    auto* const all =
+        new llvm::GlobalVariable(e_.module(), ones->getType(), true, llvm::GlobalValue::PrivateLinkage, ones, "all");
+    llvm::Value* const given = argument(offsetof(AerosolKernelArguments, active), e_.ir.getPtrTy());
+    llvm::Value* const isGiven = e_.ir.CreateICmpNE(given, e_.zero(e_.ir.getPtrTy()));
+    return std::pair(e_.ir.CreateSelect(isGiven, given, all), e_.ir.CreateSExt(isGiven, e_.ir.getInt32Ty()));
+  });
+  llvm::Value* const index = e_.ir.CreateZExt(e_.ir.CreateAnd(base_, mask), e_.ir.getInt64Ty());
+  llvm::Value* const flag =
+      e_.loadAt(e_.laneType(Kind::integer), flags, e_.ir.CreateShl(index, 2), e_.laneBytes(Kind::integer));
+  return e_.both(inside, e_.ir.CreateICmpNE(flag, e_.zero(flag->getType())));
+}
+
+void KernelFrame::end() {
+  e_.ir.CreateBr(latch_);
+  latch_->insertInto(&e_.function());
+  exit_->insertInto(&e_.function());
+  e_.ir.SetInsertPoint(latch_);
+  llvm::Value* const next = e_.ir.CreateNUWAdd(base_, e_.ir.getInt32(e_.width()));
+  base_->addIncoming(next, latch_);
+  llvm::BasicBlock* const finish = llvm::BasicBlock::Create(e_.context(), "finish", &e_.function(), exit_);
+  e_.ir.CreateCondBr(e_.ir.CreateICmpULT(next, count_), chunk_, finish);
+  e_.ir.SetInsertPoint(finish);
+  flushCounters();
+  e_.ir.CreateBr(exit_);
+  e_.ir.SetInsertPoint(exit_);
+  e_.ir.CreateRetVoid();
+}
+
+llvm::Value* KernelFrame::loopBudget() {
+  if (!loopBudget_) {
+    loopBudget_ = atEntry([&] {
+      return e_.ir.CreateLoad(e_.ir.getInt32Ty(), e_.pointerAt(context_, offsetof(AerosolKernelContext, loopBudget)));
+    });
+  }
+  return loopBudget_;
+}
+
+/// The chunk's lanes of an array of points.
+llvm::Value* KernelFrame::lanesAt(llvm::Value* pointer, llvm::Type* type, unsigned bytes) {
+  llvm::Value* const offset = e_.ir.CreateMul(e_.ir.CreateZExt(base_, e_.ir.getInt64Ty()), e_.ir.getInt64(bytes));
+  return e_.loadAt(type, pointer, offset, bytes * e_.width());
+}
+
+Number KernelFrame::global(unsigned component) {
+  const auto [it, isNew] = globalNumbers_.insert({component, {}});
+  if (!isNew) return it->second;
+  if (!globals_) {
+    globals_ = atEntry([&] { return argument(offsetof(AerosolKernelArguments, globals), e_.ir.getPtrTy()); });
+  }
+  // Bounds come as two pointers, low and high; bounds that are no numbers do not come at all.
+  const unsigned pointers = domain_.splitsMasks() ? 2 : 1;
+  Number number{Kind::floating, true, {}};
+  for (unsigned i = 0; i < pointers; ++i) {
+    llvm::Value* const pointer = atEntry([&] {
+      return e_.ir.CreateLoad(e_.ir.getPtrTy(), e_.pointerAt(globals_, sizeof(void*) * (component * pointers + i)));
+    });
+    number.parts[i] = atChunkStart([&] { return lanesAt(pointer, e_.laneType(Kind::floating), 4); });
+  }
+  if (pointers == 2) number.parts[2] = e_.zero(domain_.partType(Kind::floating, 2));
+  return it->second = number;
+}
+
+void KernelFrame::prepareInstances() {
+  if (!instanceData_) {
+    instanceData_ = atEntry([&] { return argument(offsetof(AerosolKernelArguments, instanceData), e_.ir.getPtrTy()); });
+  }
+  if (!severalInstances_ || instances_) return;
+  llvm::Value* const pointer =
+      atEntry([&] { return argument(offsetof(AerosolKernelArguments, instances), e_.ir.getPtrTy()); });
+  llvm::IRBuilder<>::InsertPointGuard guard(e_.ir);
+  e_.ir.SetInsertPoint(chunkStartEnd_);
+  llvm::Value* const given = lanesAt(pointer, e_.laneType(Kind::integer), 4);
+  instances_ = e_.ir.CreateSelect(active_.may, given, e_.zero(given->getType()));
+  llvm::Value* const first =
+      instanceOf(e_.ir.CreateBinaryIntrinsic(llvm::Intrinsic::cttz, e_.bits(active_.may), e_.ir.getTrue()));
+  llvm::Value* const stride = e_.ir.getInt64(interface_.instanceStride);
+  llvm::Value* const firstOffset = e_.ir.CreateMul(e_.ir.CreateZExt(first, e_.ir.getInt64Ty()), stride);
+  firstInstance_ = e_.ir.CreateInBoundsGEP(e_.ir.getInt8Ty(), instanceData_, firstOffset);
+  if (e_.width() == 1) return;
+  llvm::Type* const longs = e_.laneType(e_.ir.getInt64Ty());
+  blockOffsets_ = e_.ir.CreateMul(e_.ir.CreateZExt(instances_, longs), e_.splat(stride));
+  llvm::Value* const others = e_.both(active_.may, e_.ir.CreateICmpNE(instances_, e_.splat(first)));
+  llvm::Value* const isMixed = e_.any(others);
+
+  llvm::BasicBlock* const start = chunkStartEnd_->getParent();
+  llvm::BasicBlock* const body = chunkStartEnd_->getSuccessor(0);
+  llvm::BasicBlock* const same = llvm::BasicBlock::Create(e_.context(), "instance.same", &e_.function(), body);
+  llvm::BasicBlock* const mixed = llvm::BasicBlock::Create(e_.context(), "instance.mixed", &e_.function(), body);
+  joined_ = llvm::BasicBlock::Create(e_.context(), "instance.joined", &e_.function(), body);
+  chunkStartEnd_->eraseFromParent();
+  e_.ir.SetInsertPoint(start);
+  e_.ir.CreateCondBr(isMixed, mixed, same);
+  e_.ir.SetInsertPoint(same);
+  sameEnd_ = e_.ir.CreateBr(joined_);
+  e_.ir.SetInsertPoint(mixed);
+  mixedEnd_ = e_.ir.CreateBr(joined_);
+  e_.ir.SetInsertPoint(joined_);
+  chunkStartEnd_ = e_.ir.CreateBr(body);
+}
+
+llvm::Value* KernelFrame::instanceOf(llvm::Value* lane) {
+  if (!severalInstances_) return e_.ir.getInt32(0);
+  prepareInstances();
+  return e_.width() == 1 ? instances_ : e_.ir.CreateExtractElement(instances_, lane);
+}
+
+Number KernelFrame::instanceNumber(Kind kind, unsigned offset) {
+  const auto [it, isNew] = instanceNumbers_.insert({{offset, kind}, {}});
+  if (!isNew) return it->second;
+  prepareInstances();
+  llvm::Type* const type = e_.scalarType(kind);
+  const unsigned bytes = kind == Kind::string ? 8 : 4;
+  const auto load = [&](llvm::Value* block) {
+    return e_.ir.CreateAlignedLoad(type, e_.pointerAt(block, offset), llvm::Align(bytes));
+  };
+  if (!severalInstances_) {
+    return it->second = {kind, false, {atEntry([&] { return load(instanceData_); })}};
+  }
+  llvm::Value* lanes = nullptr;
+  if (e_.width() == 1) {
+    lanes = atChunkStart([&] { return load(firstInstance_); });
+  } else {
+    llvm::IRBuilder<>::InsertPointGuard guard(e_.ir);
+    e_.ir.SetInsertPoint(sameEnd_);
+    llvm::Value* const one = e_.splat(static_cast<llvm::Value*>(load(firstInstance_)));
+    e_.ir.SetInsertPoint(mixedEnd_);
+    llvm::Value* const offsets = e_.ir.CreateAdd(blockOffsets_, e_.splat(e_.ir.getInt64(offset)));
+    llvm::Value* const addresses = e_.ir.CreateInBoundsGEP(e_.ir.getInt8Ty(), instanceData_, offsets);
+    llvm::Value* const many =
+        e_.ir.CreateMaskedGather(one->getType(), addresses, llvm::Align(bytes), e_.allLanes(), e_.zero(one->getType()));
+    e_.ir.SetInsertPoint(joined_, joined_->begin());
+    llvm::PHINode* const phi = e_.ir.CreatePHI(one->getType(), 2);
+    phi->addIncoming(one, sameEnd_->getParent());
+    phi->addIncoming(many, mixedEnd_->getParent());
+    lanes = phi;
+  }
+  // What is read for each lane is exact: in other domains than the wide one it takes their form.
+  Number number{kind, true, {lanes}};
+  if (domain_.splitsMasks()) {
+    number.parts[1] = lanes;
+    if (kind == Kind::floating) {
+      number.parts[2] = atChunkStart(
+          [&] { return e_.ir.CreateSExt(e_.ir.CreateFCmpUNO(lanes, lanes), domain_.partType(Kind::floating, 2)); });
+    }
+  }
+  return it->second = number;
+}
+
+Number KernelFrame::header(unsigned index) { return instanceNumber(Kind::floating, index * 4); }
+
+Value KernelFrame::field(const InstanceField& field) {
+  Value value;
+  unsigned offset = field.offset;
+  for (int element = 0; element < std::max(field.type.arrayLength, 1); ++element) {
+    for (const Kind kind : kindsOf(field.type)) {
+      value.push_back(instanceNumber(kind, offset));
+      offset += kind == Kind::string ? 8 : 4;
+    }
+  }
+  return value;
+}
+
+ArrayMemory KernelFrame::arrayField(const InstanceField& field, llvm::ArrayRef<Kind> element) {
+  const auto length = static_cast<unsigned>(field.type.arrayLength);
+  prepareInstances();
+  if (!severalInstances_) {
+    llvm::Value* const base = atEntry([&] { return e_.pointerAt(instanceData_, field.offset); });
+    return {base, element, length, false};
+  }
+  const Value numbers = this->field(field);
+  const unsigned bytes = domain_.elementBytes(element, true);
+  auto* const memory = e_.slot(llvm::ArrayType::get(e_.ir.getInt8Ty(), std::uint64_t{bytes} * length), "parameter",
+                               AEROSOL_MAXIMUM_WIDTH * 8);
+  atChunkStart([&] {
+    for (unsigned i = 0; i < numbers.size(); ++i) {
+      const auto components = static_cast<unsigned>(element.size());
+      const std::uint64_t offset =
+          std::uint64_t{i / components} * bytes + domain_.componentOffset(element, i % components, true);
+      domain_.store(numbers[i], e_.pointerAt(memory, offset));
+    }
+  });
+  return {memory, element, length, true};
+}
+
+void KernelFrame::storeOutput(unsigned index, llvm::Value* lanes) {
+  if (!outputs_) {
+    outputs_ = atEntry([&] { return argument(offsetof(AerosolKernelArguments, outputs), e_.ir.getPtrTy()); });
+  }
+  llvm::Value* const pointer =
+      atEntry([&] { return e_.ir.CreateLoad(e_.ir.getPtrTy(), e_.pointerAt(outputs_, sizeof(void*) * index)); });
+  const unsigned bytes = lanes->getType()->getScalarSizeInBits() / 8;
+  llvm::Value* const offset = e_.ir.CreateMul(e_.ir.CreateZExt(base_, e_.ir.getInt64Ty()), e_.ir.getInt64(bytes));
+  llvm::Value* const address = e_.ir.CreateInBoundsGEP(e_.ir.getInt8Ty(), pointer, offset);
+  if (e_.width() == 1) {
+    e_.ir.CreateAlignedStore(lanes, address, llvm::Align(bytes));
+  } else {
+    e_.ir.CreateMaskedStore(lanes, address, llvm::Align(bytes * e_.width()), active_.may);
+  }
+}
+
+void KernelFrame::count(unsigned cost, const Mask& mask) {
+  if (cost == 0) return;
+  if (!lanesRun_) {
+    lanesRun_ = e_.slot(e_.ir.getInt64Ty(), "lanes.run");
+    lanesUsed_ = e_.slot(e_.ir.getInt64Ty(), "lanes.used");
+    atEntry([&] {
+      e_.ir.CreateStore(e_.ir.getInt64(0), lanesRun_);
+      e_.ir.CreateStore(e_.ir.getInt64(0), lanesUsed_);
+    });
+  }
+  const auto add = [&](llvm::AllocaInst* counter, llvm::Value* amount) {
+    e_.ir.CreateStore(e_.ir.CreateAdd(e_.ir.CreateLoad(e_.ir.getInt64Ty(), counter), amount), counter);
+  };
+  add(lanesRun_, e_.ir.getInt64(std::uint64_t{cost} * e_.width()));
+  llvm::Value* const lanes = e_.ir.CreateUnaryIntrinsic(llvm::Intrinsic::ctpop, e_.bits(mask.may));
+  add(lanesUsed_, e_.ir.CreateMul(e_.ir.CreateZExt(lanes, e_.ir.getInt64Ty()), e_.ir.getInt64(cost)));
+}
+
+void KernelFrame::flushCounters() {
+  if (!lanesRun_) return;
+  constexpr std::size_t counters = offsetof(AerosolKernelContext, counters);
+  const auto flush = [&](llvm::AllocaInst* counter, std::size_t offset) {
+    llvm::Value* const address = e_.pointerAt(context_, counters + offset);
+    llvm::Value* const sum =
+        e_.ir.CreateAdd(e_.ir.CreateLoad(e_.ir.getInt64Ty(), address), e_.ir.CreateLoad(e_.ir.getInt64Ty(), counter));
+    e_.ir.CreateStore(sum, address);
+  };
+  flush(lanesRun_, offsetof(AerosolKernelCounters, lanesRun));
+  flush(lanesUsed_, offsetof(AerosolKernelCounters, lanesUsed));
+}
+
+}  // namespace aerosol::jit

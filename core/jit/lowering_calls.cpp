@@ -1,0 +1,101 @@
+// Library functions: arguments and results in memory, where inlining finds and removes it.
+#include "core/jit/lowering.h"
+
+namespace aerosol::jit {
+
+using lang::Instruction;
+
+llvm::Value* Lowering::argumentMemory(const Value& value, bool varying) {
+  llvm::SmallVector<Kind, 4> kinds;
+  for (const Number& number : value) kinds.push_back(number.kind);
+  llvm::Value* const memory = variables_.memory(kinds, 1, varying, "argument");
+  for (unsigned i = 0; i < value.size(); ++i) {
+    const Number number = varying ? domain_.varying(value[i]) : value[i];
+    domain_.store(number, e_.pointerAt(memory, domain_.componentOffset(kinds, i, varying)));
+  }
+  return memory;
+}
+
+llvm::Value* Lowering::argumentArray(const ArrayMemory& array, bool varying) {
+  if (array.varying == varying) return array.base;
+  const ArrayMemory copy{variables_.memory(array.element, array.length, varying, "argument"), array.element,
+                         array.length, varying};
+  copyElements(copy, array, nullptr);
+  return copy.base;
+}
+
+Value Lowering::loadValue(llvm::Value* memory, llvm::ArrayRef<Kind> kinds, bool varying) {
+  Value value;
+  for (unsigned i = 0; i < kinds.size(); ++i) {
+    value.push_back(domain_.load(kinds[i], varying, e_.pointerAt(memory, domain_.componentOffset(kinds, i, varying))));
+  }
+  return value;
+}
+
+void Lowering::emitFunctionCall(const std::string& symbol, bool varying, llvm::ArrayRef<llvm::Value*> pointers) {
+  const std::string name = std::string(1, varying ? domain_.symbolPrefix() : 'u') + "_" + symbol;
+  const llvm::SmallVector<llvm::Type*, 8> types(pointers.size(), e_.ir.getPtrTy());
+  auto* const type = llvm::FunctionType::get(e_.ir.getVoidTy(), types, false);
+  llvm::CallInst* const call = e_.ir.CreateCall(e_.module().getOrInsertFunction(name, type), pointers);
+  // Library functions know nothing but their arguments, and come back.
+  call->setDoesNotThrow();
+  call->setOnlyAccessesArgMemory();
+  call->addFnAttr(llvm::Attribute::WillReturn);
+  call->addFnAttr(llvm::Attribute::NoFree);
+  call->addFnAttr(llvm::Attribute::NoSync);
+  for (unsigned i = 0; i < pointers.size(); ++i) call->addParamAttr(i, llvm::Attribute::NoCapture);
+}
+
+Value Lowering::callFunction(const std::string& symbol, llvm::ArrayRef<Value> arguments, llvm::ArrayRef<Kind> result) {
+  bool varies = false;
+  for (const Value& argument : arguments) {
+    for (const Number& number : argument) varies = varies || number.varying;
+  }
+  llvm::SmallVector<llvm::Value*, 8> pointers = {variables_.memory(result, 1, varies, "result")};
+  for (const Value& argument : arguments) pointers.push_back(argumentMemory(argument, varies));
+  emitFunctionCall(symbol, varies, pointers);
+  return loadValue(pointers[0], result, varies);
+}
+
+void Lowering::emitCall(const Instruction& instruction) {
+  const lang::FunctionUse& function = program_.functions[instruction.function];
+  if (function.symbol == "getmatrix_i_ssm") return emitMatrixOfSpaces(instruction);
+  bool varies = !function.pure;
+  std::vector<Value> values;
+  for (const lang::VariableId argument : instruction.arguments) {
+    if (variables_.isArray(argument)) {
+      varies = varies || variables_.array(argument).varying;
+      values.emplace_back();
+      continue;
+    }
+    // What is written is passed as well: a function may leave it as it is.
+    const bool isOutput = lang::writesArgument(program_, instruction, values.size());
+    const bool isFresh = isOutput && program_.variables[argument].storage == lang::Storage::temporary;
+    Value value;
+    if (isFresh) {
+      for (const Kind kind : variables_.kinds(argument)) value.push_back(variables_.zero(kind));
+    } else {
+      value = variables_.read(argument);
+    }
+    for (const Number& number : value) varies = varies || number.varying;
+    values.push_back(std::move(value));
+  }
+  llvm::SmallVector<llvm::Value*, 8> pointers;
+  const bool hasResult = instruction.result != lang::noVariable;
+  const llvm::ArrayRef<Kind> resultKinds = hasResult ? variables_.kinds(instruction.result) : llvm::ArrayRef<Kind>();
+  if (hasResult) pointers.push_back(variables_.memory(resultKinds, 1, varies, "result"));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const lang::VariableId argument = instruction.arguments[i];
+    pointers.push_back(variables_.isArray(argument) ? argumentArray(variables_.array(argument), varies)
+                                                    : argumentMemory(values[i], varies));
+  }
+  emitFunctionCall(function.symbol, varies, pointers);
+  if (hasResult) write(instruction, instruction.result, loadValue(pointers[0], resultKinds, varies));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!lang::writesArgument(program_, instruction, i)) continue;
+    const lang::VariableId argument = instruction.arguments[i];
+    write(instruction, argument, loadValue(pointers[i + (hasResult ? 1 : 0)], variables_.kinds(argument), varies));
+  }
+}
+
+}  // namespace aerosol::jit

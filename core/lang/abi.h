@@ -1,0 +1,96 @@
+/* The binary interface between compiled shaders and everything else: C, no pointers into the program's image.
+ *
+ * A kernel is a function `void kernel(const AerosolKernelArguments*)`. It takes n points as structure of arrays and
+ * loops over the SIMD width inside. Every array is 64-byte aligned and padded to a multiple of 16 elements; padding
+ * lanes hold any finite value and are never reported about. Kernels hold no address: everything reaches them through
+ * the arguments.
+ */
+#ifndef AEROSOL_ABI_H
+#define AEROSOL_ABI_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { AEROSOL_ABI_VERSION = 1, AEROSOL_MAXIMUM_WIDTH = 16 };
+
+/* Named transforms that a kernel may ask for, besides those by name through the host. Per instance, row-major 3x4
+ * (rows of a map on column vectors), floats. "common" is world space. */
+typedef struct AerosolInstanceHeader {
+  float objectToWorld[12];
+  float worldToObject[12];
+  float shaderToWorld[12];
+  float worldToShader[12];
+} AerosolInstanceHeader;
+
+/* The kinds of per-point records that a kernel leaves (messages and reports). */
+enum {
+  AEROSOL_MESSAGE_PRINT = 0,
+  AEROSOL_MESSAGE_WARNING = 1,
+  AEROSOL_MESSAGE_ERROR = 2,
+  AEROSOL_REPORT_INDEX = 3, /* array index out of range: two int arguments: index, length */
+  AEROSOL_REPORT_BUDGET = 4 /* a loop ran out of its iteration budget: no arguments */
+};
+
+/* One argument of a record, 8 bytes: an int32, a float (both in the low bytes) or a string's 64-bit hash. */
+typedef union AerosolRecordValue {
+  int32_t i;
+  float f;
+  uint64_t s;
+} AerosolRecordValue;
+
+struct AerosolKernelContext;
+
+/* Host services. `context` is the pointer of the arguments. All are thread-safe for distinct contexts. */
+typedef struct AerosolHostServices {
+  uint32_t size; /* sizeof(AerosolHostServices) */
+  /* Leaves one record. `site` indexes the kernel's table of message sites (format string, position, argument types);
+   * `lane` is the point's index in the batch; `sequence` is set by the callee in call order. */
+  void (*record)(struct AerosolKernelContext* context, uint32_t kind, uint32_t site, uint32_t lane,
+                 const AerosolRecordValue* arguments, uint32_t count);
+  /* Matrix of a named space for one point: writes 12 floats (row-major 3x4), returns 1 when the name is known. */
+  int32_t (*spaceToWorld)(struct AerosolKernelContext* context, uint64_t name, uint32_t instance, float time,
+                          float* matrix);
+  int32_t (*worldToSpace)(struct AerosolKernelContext* context, uint64_t name, uint32_t instance, float time,
+                          float* matrix);
+} AerosolHostServices;
+
+/* Counts kept by kernels that were compiled with counters. */
+typedef struct AerosolKernelCounters {
+  uint64_t lanesRun;  /* weighted by the static cost of each block */
+  uint64_t lanesUsed; /* the part of lanesRun whose mask was set */
+} AerosolKernelCounters;
+
+/* What the host keeps for one thread; kernels see only this head. */
+typedef struct AerosolKernelContext {
+  const AerosolHostServices* services;
+  AerosolKernelCounters counters;
+  uint32_t loopBudget; /* iterations of one loop statement that one point may run in one call */
+} AerosolKernelContext;
+
+typedef struct AerosolKernelArguments {
+  AerosolKernelContext* context;
+  /* One pointer a component of each global that the kernel reads, in the order of Global, components x y z. Where the
+   * kernel's interface says that a global is not read, its pointers may be null. Layout: P.x P.y P.z I.x I.y I.z N.x
+   * N.y N.z Ng.x Ng.y Ng.z u v dPdu.xyz dPdv.xyz Ps.xyz time dtime dPdtime.xyz (25 pointers). */
+  const float* const* globals;
+  const int32_t* instances; /* per point: index of its instance; may be null when the kernel does not read instances */
+  const uint32_t* active;   /* per point: all bits set or zero; null: all n points are active */
+  /* Instance i's block starts at instanceData + i * stride, stride as in the kernel's interface: an
+   * AerosolInstanceHeader, then the parameters that were not folded. */
+  const unsigned char* instanceData;
+  /* One pointer a component of each output of the variant, in the order of the kernel's interface. Inactive points'
+   * elements are not written. Int outputs are stored as int32 bits, strings as uint64 arrays. */
+  void* const* outputs;
+  int32_t count;
+} AerosolKernelArguments;
+
+typedef void (*AerosolKernel)(const AerosolKernelArguments*);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* AEROSOL_ABI_H */

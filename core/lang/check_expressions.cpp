@@ -1,0 +1,437 @@
+#include <algorithm>
+#include <array>
+
+#include "core/lang/checker.h"
+#include "core/lang/overload.h"
+
+namespace aerosol::lang {
+
+namespace {
+
+/// How deep the checker follows expressions and functions into each other: stack, not time, is what this saves.
+constexpr int maximumCheckDepth = 3000;
+
+struct OperatorRow {
+  std::string_view text;
+  std::string_view overload;
+};
+constexpr std::array<OperatorRow, 18> binaryOperators = {{
+    {"+", "__operator__add__"},
+    {"-", "__operator__sub__"},
+    {"*", "__operator__mul__"},
+    {"/", "__operator__div__"},
+    {"%", "__operator__mod__"},
+    {"&", "__operator__bitand__"},
+    {"|", "__operator__bitor__"},
+    {"^", "__operator__xor__"},
+    {"<<", "__operator__shl__"},
+    {">>", "__operator__shr__"},
+    {"<", "__operator__lt__"},
+    {"<=", "__operator__le__"},
+    {">", "__operator__gt__"},
+    {">=", "__operator__ge__"},
+    {"==", "__operator__eq__"},
+    {"!=", "__operator__neq__"},
+    {"&&", ""},
+    {"||", ""},
+}};
+constexpr std::array<OperatorRow, 8> unaryOperators = {{
+    {"+", ""},
+    {"-", "__operator__neg__"},
+    {"!", "__operator__not__"},
+    {"~", "__operator__compl__"},
+    {"++", ""},
+    {"--", ""},
+    {"++", ""},
+    {"--", ""},
+}};
+
+bool isArithmetic(BinaryOp op) {
+  return op == BinaryOp::add || op == BinaryOp::subtract || op == BinaryOp::multiply || op == BinaryOp::divide;
+}
+bool isIntegral(BinaryOp op) { return op >= BinaryOp::modulo && op <= BinaryOp::shiftRight; }
+bool isOrder(BinaryOp op) { return op >= BinaryOp::less && op <= BinaryOp::greaterEqual; }
+bool isEquality(BinaryOp op) { return op == BinaryOp::equal || op == BinaryOp::notEqual; }
+
+bool isScalarTriple(const Type& type) { return type.isTriple() && !type.isArray(); }
+bool isMatrix(const Type& type) { return type == types::matrix; }
+
+/// Kind of the sum, difference, product or quotient of two triples: the difference of two points is a vector, a point
+/// and a vector make a point, colours stay colours.
+Type tripleResult(BinaryOp op, const Type& left, const Type& right) {
+  const auto either = [&](const Type& type) { return left == type || right == type; };
+  if (left == right && !(left == types::point && op == BinaryOp::subtract)) return left;
+  if (either(types::color)) return left == types::color ? right : left;
+  if (op == BinaryOp::subtract) return left == types::point && !(right == types::point) ? types::point : types::vector;
+  if (op == BinaryOp::add) return either(types::point) ? types::point : types::vector;
+  return left;
+}
+
+bool isZeroLiteral(const Expression& expression) {
+  if (const auto* literal = std::get_if<IntLiteral>(&expression.node)) return literal->value == 0;
+  if (const auto* literal = std::get_if<FloatLiteral>(&expression.node)) return literal->value == 0;
+  return false;
+}
+
+bool isWeight(const Type& type) { return type.isNumber() || type == types::color; }
+
+}  // namespace
+
+std::string_view overloadName(BinaryOp op) { return binaryOperators[static_cast<std::size_t>(op)].overload; }
+std::string_view overloadName(UnaryOp op) { return unaryOperators[static_cast<std::size_t>(op)].overload; }
+std::string_view spelling(BinaryOp op) { return binaryOperators[static_cast<std::size_t>(op)].text; }
+std::string_view spelling(UnaryOp op) { return unaryOperators[static_cast<std::size_t>(op)].text; }
+
+Type Checker::check(Expression& expression, const Type& expected) {
+  if (!(expression.type == types::none)) return expression.type;
+  if (depth_ > maximumCheckDepth) {
+    error(expression.position, "expressions and functions are nested too deeply here");
+    return expression.type = poisoned;
+  }
+  ++depth_;
+  expression.type = checkNode(expression, expected);
+  --depth_;
+  return expression.type;
+}
+
+Type Checker::checkNode(Expression& expression, const Type& expected) {
+  auto& node = expression.node;
+  if (std::holds_alternative<IntLiteral>(node)) return types::integer;
+  if (std::holds_alternative<FloatLiteral>(node)) return types::floating;
+  if (std::holds_alternative<StringLiteral>(node)) return types::string;
+  if (auto* name = std::get_if<Name>(&node)) return checkName(expression, *name);
+  if (auto* unary = std::get_if<Unary>(&node)) return checkUnary(expression, *unary, expected);
+  if (auto* binary = std::get_if<Binary>(&node)) return checkBinary(expression, *binary, expected);
+  if (auto* assign = std::get_if<Assign>(&node)) return checkAssign(expression, *assign);
+  if (auto* conditional = std::get_if<Conditional>(&node)) return checkConditional(expression, *conditional, expected);
+  if (auto* index = std::get_if<Index>(&node)) return checkIndex(expression, *index, false);
+  if (auto* field = std::get_if<Field>(&node)) return checkField(expression, *field);
+  if (auto* call = std::get_if<Call>(&node)) return checkCall(expression, *call, expected);
+  if (auto* construct = std::get_if<Construct>(&node)) return checkConstruct(expression, *construct, expected);
+  if (auto* comma = std::get_if<Comma>(&node)) {
+    check(*comma->first, types::none);
+    return check(*comma->second, expected);
+  }
+  if (auto* list = std::get_if<InitializerList>(&node)) {
+    if (!(expected == types::none) && !isPoisoned(expected)) return checkInitializerList(expression, *list, expected);
+    error(expression.position, "the type of this initialiser list cannot be told from where it stands");
+  }
+  return poisoned;
+}
+
+Type Checker::checkName(Expression& expression, Name& name) {
+  name.declaration = findVariable(name.name);
+  if (!name.declaration) {
+    const std::string note = didYouMean(name.name, visibleVariables());
+    error(expression.position, "unknown name '" + name.name + "'",
+          note.empty() ? std::vector<std::string>{} : std::vector<std::string>{note});
+    return poisoned;
+  }
+  if (name.declaration->isGlobal) {
+    static constexpr std::array<std::string_view, 4> surfaceOnly = {"N", "Ng", "dPdu", "dPdv"};
+    const auto isSurfaceOnly = std::find(surfaceOnly.begin(), surfaceOnly.end(), name.name) != surfaceOnly.end();
+    const bool inVolume = shaderKind_ == "volume", inDisplacement = shaderKind_ == "displacement";
+    if ((inVolume && isSurfaceOnly) || (inDisplacement && (name.name == "I" || name.name == "Ci")) ||
+        (name.name == "Ps" && (inDisplacement || shaderKind_ == "surface"))) {
+      error(expression.position,
+            "the shader global '" + name.name + "' is not available in " + shaderKind_ + " shaders");
+      return poisoned;
+    }
+  }
+  return name.declaration->type;
+}
+
+void Checker::checkWritable(const Expression& target) {
+  const Expression* root = &target;
+  while (true) {
+    if (const auto* index = std::get_if<Index>(&root->node)) {
+      root = index->base.get();
+    } else if (const auto* field = std::get_if<Field>(&root->node)) {
+      root = field->base.get();
+    } else {
+      break;
+    }
+  }
+  const auto* name = std::get_if<Name>(&root->node);
+  if (!name) {
+    if (!isPoisoned(root->type)) error(target.position, "this expression cannot be assigned to: it is not a variable");
+    return;
+  }
+  VariableDeclaration* const variable = name->declaration;
+  if (!variable) return;
+  variable->isAssigned = true;
+  if ((variable->isParameter || variable->isShaderParameter) && !variable->isOutput) {
+    error(root->position, "parameter '" + variable->name + "' is read-only: it is not declared 'output'",
+          {"declare it 'output', or assign a copy of it"});
+  }
+  if (!variable->isGlobal || variable->name == "Ci") return;
+  const bool writable = (variable->name == "N" && (shaderKind_ == "surface" || shaderKind_ == "displacement")) ||
+                        (variable->name == "P" && shaderKind_ == "displacement");
+  if (!writable) {
+    const char* article = shaderKind_ == "shader" ? "generic" : shaderKind_.c_str();
+    error(root->position, "the shader global '" + variable->name + "' is read-only in " + article + " shaders");
+  }
+}
+
+Type Checker::checkUnary(Expression& expression, Unary& unary, const Type& expected) {
+  const Type type = check(*unary.operand, expected);
+  if (isPoisoned(type)) return poisoned;
+  if (!overloadName(unary.op).empty()) {
+    Type result;
+    unary.function = findOverload(overloadName(unary.op), {unary.operand.get()}, expression.position, expected, result);
+    if (unary.function) return result;
+  }
+  const auto refuse = [&] {
+    error(expression.position,
+          "operator '" + std::string(spelling(unary.op)) + "' does not apply to type " + toString(type));
+    return poisoned;
+  };
+  switch (unary.op) {
+    case UnaryOp::plus:
+    case UnaryOp::minus:
+      return type.isNumber() || isScalarTriple(type) || isMatrix(type) || type == types::closure ? type : refuse();
+    case UnaryOp::logicalNot:
+      return isConditional(type) ? types::integer : refuse();
+    case UnaryOp::bitNot:
+      return type == types::integer ? type : refuse();
+    default:
+      if (!type.isNumber()) return refuse();
+      checkWritable(*unary.operand);
+      return type;
+  }
+}
+
+Type Checker::checkBinary(Expression& expression, Binary& binary, const Type& expected) {
+  const Type wanted = isArithmetic(binary.op) ? expected : types::none;
+  const Type left = check(*binary.left, wanted);
+  const Type right = check(*binary.right, wanted);
+  if (isPoisoned(left) || isPoisoned(right)) return poisoned;
+  if (!overloadName(binary.op).empty()) {
+    Type result;
+    binary.function = findOverload(overloadName(binary.op), {binary.left.get(), binary.right.get()},
+                                   expression.position, expected, result);
+    if (binary.function) return result;
+  }
+  return binaryType(expression.position, binary.op, *binary.left, left, right);
+}
+
+Type Checker::binaryType(Position position, BinaryOp op, const Expression&, const Type& left, const Type& right) {
+  const bool arrays = left.isArray() || right.isArray();
+  if (!arrays && isArithmetic(op)) {
+    if (left.isNumber() && right.isNumber())
+      return left == types::integer && right == types::integer ? types::integer : types::floating;
+    if (left.isTriple() && right.isTriple()) return tripleResult(op, left, right);
+    if (left.isTriple() && right.isNumber()) return left;
+    if (left.isNumber() && right.isTriple()) return right;
+    const bool product = op == BinaryOp::multiply || op == BinaryOp::divide;
+    if (product && ((isMatrix(left) && (isMatrix(right) || right.isNumber())) || (left.isNumber() && isMatrix(right))))
+      return types::matrix;
+    const bool closures = left == types::closure && right == types::closure;
+    if (closures && (op == BinaryOp::add || op == BinaryOp::subtract)) return types::closure;
+    if (product && left == types::closure && isWeight(right)) return types::closure;
+    if (op == BinaryOp::multiply && isWeight(left) && right == types::closure) return types::closure;
+  }
+  if (isIntegral(op) && left == types::integer && right == types::integer) return types::integer;
+  if (isOrder(op) && left.isNumber() && right.isNumber()) return types::integer;
+  if (!arrays && isEquality(op) && !left.closure && !right.closure && left.base != BaseType::structure) {
+    if (left == right && !(left == types::none)) return types::integer;
+    const auto isNumeric = [](const Type& type) { return type.isNumber() || type.isTriple() || isMatrix(type); };
+    const bool comparable = (left.isNumber() && isNumeric(right)) || (isNumeric(left) && right.isNumber()) ||
+                            (left.isTriple() && right.isTriple());
+    if (comparable) return types::integer;
+  }
+  if ((op == BinaryOp::logicalAnd || op == BinaryOp::logicalOr) && isConditional(left) && isConditional(right))
+    return types::integer;
+  error(position, "operator '" + std::string(spelling(op)) + "' does not apply to types " + toString(left) + " and " +
+                      toString(right));
+  return poisoned;
+}
+
+Type Checker::checkAssign(Expression& expression, Assign& assign) {
+  const Type target = check(*assign.target, types::none);
+  if (assign.compound) {
+    const Type value = check(*assign.value, target);
+    if (isPoisoned(target) || isPoisoned(value)) return poisoned;
+    checkWritable(*assign.target);
+    Type result;
+    if (!overloadName(assign.op).empty()) {
+      assign.function = findOverload(overloadName(assign.op), {assign.target.get(), assign.value.get()},
+                                     expression.position, target, result);
+    }
+    if (!assign.function) result = binaryType(expression.position, assign.op, *assign.target, target, value);
+    if (!isPoisoned(result) && !isAssignable(target, result)) {
+      error(expression.position, "the result of '" + std::string(spelling(assign.op)) + "', of type " +
+                                     toString(result) + ", cannot be assigned to type " + toString(target));
+    }
+    return target;
+  }
+  if (isPoisoned(target)) {
+    if (!std::holds_alternative<InitializerList>(assign.value->node)) check(*assign.value, types::none);
+    return poisoned;
+  }
+  checkWritable(*assign.target);
+  checkInitializer(*assign.value, target, "the value assigned");
+  return target;
+}
+
+Type Checker::checkConditional(Expression& expression, Conditional& conditional, const Type& expected) {
+  checkCondition(*conditional.condition);
+  const Type yes = check(*conditional.yes, expected), no = check(*conditional.no, expected);
+  if (isPoisoned(yes) || isPoisoned(no)) return poisoned;
+  if (yes == no && !(yes == types::none)) return yes;
+  if (yes.closure && isZeroLiteral(*conditional.no)) return yes;
+  if (no.closure && isZeroLiteral(*conditional.yes)) return no;
+  if (!yes.isArray() && !no.isArray()) {
+    if (isAssignable(yes, no)) return yes;
+    if (isAssignable(no, yes)) return no;
+  }
+  error(expression.position, "the two values of '?:' do not go together: " + toString(yes) + " and " + toString(no));
+  return poisoned;
+}
+
+Type Checker::checkIndex(Expression& expression, Index& index, bool rowAllowed) {
+  Expression& base = *index.base;
+  auto* inner = std::get_if<Index>(&base.node);
+  Type type = base.type;
+  if (type == types::none) type = base.type = inner ? checkIndex(base, *inner, true) : check(base, types::none);
+  const Type indexType = check(*index.index, types::integer);
+  if (isPoisoned(type) || isPoisoned(indexType)) return poisoned;
+  if (!(indexType == types::integer)) {
+    error(index.index->position, "an index must be an int, not " + toString(indexType));
+    return poisoned;
+  }
+  int length = 0;
+  Type result;
+  if (type.isArray()) {
+    length = type.arrayLength;
+    result = type.element();
+  } else if (type == matrixRow) {
+    length = 4;
+    result = types::floating;
+  } else if (type.isTriple()) {
+    length = 3;
+    result = types::floating;
+  } else if (isMatrix(type)) {
+    length = 4;
+    result = matrixRow;
+  } else {
+    error(expression.position, "a value of type " + toString(type) + " cannot be indexed");
+    return poisoned;
+  }
+  if (result == matrixRow && !rowAllowed) {
+    error(expression.position, "an element of a matrix has two indices: m[row][column]");
+    return poisoned;
+  }
+  const auto constant = evaluateConstant(*index.index);
+  if (constant && (constant->asInt() < 0 || (length > 0 && constant->asInt() >= length))) {
+    error(index.index->position,
+          "index " + std::to_string(constant->asInt()) +
+              " is out of range: " + toString(type.closure ? types::matrix : type) +
+              (length > 0 ? " has indices 0 to " + std::to_string(length - 1) : " has no negative indices"));
+    return poisoned;
+  }
+  return result;
+}
+
+Type Checker::checkField(Expression& expression, Field& field) {
+  const Type type = check(*field.base, types::none);
+  if (isPoisoned(type)) return poisoned;
+  if (isScalarTriple(type)) {
+    if (field.field.size() == 1 && std::string_view("xyzrgb").find(field.field[0]) != std::string_view::npos)
+      return types::floating;
+    error(expression.position, "a " + toString(type) + " has no component '" + field.field + "'",
+          {"the components are .x .y .z or .r .g .b"});
+    return poisoned;
+  }
+  if (type.base != BaseType::structure || type.isArray()) {
+    error(expression.position, "a value of type " + toString(type) + " has no fields");
+    return poisoned;
+  }
+  std::vector<std::string> names;
+  for (const StructField& known : type.structure->fields) {
+    if (known.name == field.field) return known.type;
+    names.push_back(known.name);
+  }
+  const std::string near = didYouMean(field.field, names);
+  std::string all = "the fields are:";
+  for (const std::string& name : names) all += " " + name;
+  error(expression.position, "structure '" + type.structure->name + "' has no field '" + field.field + "'",
+        {near.empty() ? all : near});
+  return poisoned;
+}
+
+void Checker::requireAssignable(const Type& to, const Expression& from, std::string_view what) {
+  if (isPoisoned(to) || isPoisoned(from.type) || isAssignable(to, from.type)) return;
+  if (to == types::closure && isZeroLiteral(from)) return;
+  std::vector<std::string> notes;
+  if (to == types::integer && from.type == types::floating) notes.emplace_back("write (int) in front to truncate it");
+  if (to.isArray() && from.type.isArray() && to.element() == from.type.element())
+    notes.emplace_back("the array on the left must be at least as long");
+  error(from.position,
+        std::string(what) + " is of type " + toString(from.type) + ", which does not convert to " + toString(to),
+        std::move(notes));
+}
+
+Type Checker::checkInitializer(Expression& expression, const Type& target, std::string_view what) {
+  if (isPoisoned(target)) {
+    if (!std::holds_alternative<InitializerList>(expression.node)) check(expression, types::none);
+    return target;
+  }
+  if (auto* list = std::get_if<InitializerList>(&expression.node)) {
+    expression.type = checkInitializerList(expression, *list, target);
+    return isPoisoned(expression.type) ? target : expression.type;
+  }
+  const Type type = check(expression, target);
+  if (type == types::none) {
+    error(expression.position, std::string(what) + " is void: there is no value");
+    return target;
+  }
+  requireAssignable(target, expression, what);
+  if (target.arrayLength == Type::unsized && type.isArray()) return target.arrayOf(type.arrayLength);
+  return target;
+}
+
+Type Checker::checkInitializerList(Expression& expression, InitializerList& list, const Type& target) {
+  const auto count = static_cast<int>(list.elements.size());
+  const auto tooMany = [&](int wanted, std::size_t at) {
+    const Position position = at < list.elements.size() ? list.elements[at]->position : expression.position;
+    error(position, "too many values for " + toString(target) + ": " + std::to_string(count) + " instead of " +
+                        std::to_string(wanted));
+    return poisoned;
+  };
+  if (target.isArray()) {
+    if (count == 0) {
+      error(expression.position, "an initialiser list needs at least one value");
+      return poisoned;
+    }
+    if (target.arrayLength >= 0 && count > target.arrayLength)
+      return tooMany(target.arrayLength, static_cast<std::size_t>(target.arrayLength));
+    if (count > maximumArrayLength) return tooMany(maximumArrayLength, 0);
+    for (const ExpressionPtr& element : list.elements)
+      checkInitializer(*element, target.element(), "an element of the array");
+    return target.arrayLength == Type::unsized ? target.arrayOf(count) : target;
+  }
+  if (target.base == BaseType::structure) {
+    const auto& fields = target.structure->fields;
+    if (list.elements.size() > fields.size()) return tooMany(static_cast<int>(fields.size()), fields.size());
+    if (list.elements.size() < fields.size()) {
+      error(expression.position, "structure '" + target.structure->name + "' needs a value for field '" +
+                                     fields[list.elements.size()].name + "' too");
+      return poisoned;
+    }
+    for (std::size_t i = 0; i < fields.size(); ++i)
+      checkInitializer(*list.elements[i], fields[i].type, "the value of field '" + fields[i].name + "'");
+    return target;
+  }
+  const int components = target.isTriple() ? 3 : target == types::matrix ? 16 : 1;
+  if (count != components && count != 1) {
+    error(expression.position,
+          toString(target) + " needs " + std::to_string(components) + " values, not " + std::to_string(count));
+    return poisoned;
+  }
+  const Type each = count == 1 && components == 1 ? target : types::floating;
+  for (const ExpressionPtr& element : list.elements) checkInitializer(*element, each, "the value");
+  return target;
+}
+
+}  // namespace aerosol::lang

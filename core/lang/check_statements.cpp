@@ -1,0 +1,101 @@
+#include "core/lang/checker.h"
+#include "core/lang/overload.h"
+
+namespace aerosol::lang {
+
+bool alwaysReturns(const Statement& statement) {
+  if (std::holds_alternative<Return>(statement.node)) return true;
+  if (const auto* block = std::get_if<Block>(&statement.node)) {
+    for (const StatementPtr& inner : block->statements)
+      if (inner && alwaysReturns(*inner)) return true;
+    return false;
+  }
+  if (const auto* branch = std::get_if<If>(&statement.node))
+    return branch->yes && branch->no && alwaysReturns(*branch->yes) && alwaysReturns(*branch->no);
+  return false;
+}
+
+void Checker::checkStatement(Statement& statement) {
+  if (auto* expression = std::get_if<ExpressionStatement>(&statement.node)) {
+    if (expression->expression) check(*expression->expression, types::none);
+  } else if (auto* declaration = std::get_if<DeclarationStatement>(&statement.node)) {
+    checkVariables(*declaration);
+  } else if (auto* block = std::get_if<Block>(&statement.node)) {
+    scopes_.emplace_back();
+    for (const StatementPtr& inner : block->statements) checkStatement(*inner);
+    scopes_.pop_back();
+  } else if (auto* branch = std::get_if<If>(&statement.node)) {
+    checkCondition(*branch->condition);
+    for (const StatementPtr* inner : {&branch->yes, &branch->no}) {
+      if (!*inner) continue;
+      scopes_.emplace_back();
+      checkStatement(**inner);
+      scopes_.pop_back();
+    }
+  } else if (auto* loop = std::get_if<Loop>(&statement.node)) {
+    checkLoop(*loop);
+  } else if (auto* jump = std::get_if<Jump>(&statement.node)) {
+    const char* word = jump->kind == Jump::Kind::breakLoop ? "break" : "continue";
+    if (loopDepth_ == 0) error(statement.position, std::string("'") + word + "' stands outside of any loop");
+  } else if (auto* leave = std::get_if<Return>(&statement.node)) {
+    checkReturn(*leave, statement.position);
+  } else if (auto* local = std::get_if<LocalFunction>(&statement.node)) {
+    checkFunction(*local->function);
+    if (local->function->body && !functionStates_.contains(local->function.get())) checkBody(*local->function);
+  }
+}
+
+void Checker::checkVariables(DeclarationStatement& declaration) {
+  for (const auto& variable : declaration.variables) {
+    variable->type = resolveType(variable->typeName, resolveLength(*variable), nullptr);
+    if (variable->type == types::none) {
+      error(variable->position, "variable '" + variable->name + "' cannot be void");
+      variable->type = poisoned;
+    }
+    if (variable->initializer) {
+      const std::string what = "the initial value of '" + variable->name + "'";
+      variable->type = checkInitializer(*variable->initializer, variable->type, what);
+    } else if (variable->type.arrayLength == Type::unsized) {
+      error(variable->position, "array '" + variable->name + "' needs a length or an initial value");
+      variable->type.arrayLength = 1;
+    }
+    declareVariable(*variable);
+  }
+}
+
+void Checker::checkCondition(Expression& condition) {
+  const Type type = check(condition, types::integer);
+  if (!isPoisoned(type) && !isConditional(type))
+    error(condition.position, "a value of type " + toString(type) + " cannot be a condition");
+}
+
+void Checker::checkLoop(Loop& loop) {
+  scopes_.emplace_back();
+  if (loop.initial) checkStatement(*loop.initial);
+  if (loop.condition) checkCondition(*loop.condition);
+  if (loop.step) check(*loop.step, types::none);
+  ++loopDepth_;
+  scopes_.emplace_back();
+  if (loop.body) checkStatement(*loop.body);
+  scopes_.pop_back();
+  --loopDepth_;
+  scopes_.pop_back();
+}
+
+void Checker::checkReturn(Return& statement, Position position) {
+  const Type wanted = function_ ? function_->type : types::none;
+  if (!statement.value) {
+    if (!(wanted == types::none) && !isPoisoned(wanted))
+      error(position, "function '" + function_->name + "' must return a value of type " + toString(wanted));
+    return;
+  }
+  if (wanted == types::none) {
+    check(*statement.value, types::none);
+    error(statement.value->position,
+          function_ ? "function '" + function_->name + "' is void and returns no value" : "a shader returns no value");
+    return;
+  }
+  if (!isPoisoned(wanted)) checkInitializer(*statement.value, wanted, "the value returned");
+}
+
+}  // namespace aerosol::lang

@@ -1,0 +1,151 @@
+// The type checker's insides: shared by check_*.cpp only.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/lang/check.h"
+#include "core/lang/closures.h"
+#include "core/lang/fold.h"
+
+namespace aerosol::lang {
+
+/// Type of an expression in which an error was already reported: everything accepts it silently.
+inline constexpr Type poisoned{BaseType::none, true};
+/// Type of `m[i]` for a matrix m: only good for being indexed again.
+inline constexpr Type matrixRow{BaseType::matrix, true};
+
+inline bool isPoisoned(const Type& type) { return type == poisoned; }
+
+/// The function that overloads an operator: `__operator__add__`. Empty where there is none.
+std::string_view overloadName(BinaryOp op);
+std::string_view overloadName(UnaryOp op);
+/// As written: "+", "<=".
+std::string_view spelling(BinaryOp op);
+std::string_view spelling(UnaryOp op);
+
+/// The constant value of an expression of literals, operators and constructors; nothing when it is not one. The
+/// expression must have been checked.
+std::optional<Constant> evaluateConstant(const Expression& expression);
+
+/// Whether control can never run past the end of the statement because each path returns.
+bool alwaysReturns(const Statement& statement);
+
+class Checker {
+ public:
+  Checker(const SourceMap& sourceMap, Diagnostics& diagnostics) : sourceMap_(sourceMap), diagnostics_(diagnostics) {}
+
+  std::unique_ptr<CheckedSource> run(SourceFile& file);
+
+ private:
+  struct Scope {
+    std::map<std::string, VariableDeclaration*, std::less<>> variables;
+    std::map<std::string, std::vector<FunctionDeclaration*>, std::less<>> functions;
+  };
+  enum class State : std::uint8_t { checking, done };
+
+  /// What may be called by a name.
+  struct Candidate {
+    const FunctionDeclaration* function = nullptr;
+    const BuiltinOverload* builtin = nullptr;
+    const ClosureRow* closure = nullptr;
+    Type result;
+    std::vector<Type> parameters;
+    bool variadic = false;
+    std::uint32_t arrays = 0;
+    int score = 0;
+    int resultScore = 0;
+  };
+
+  // check.cpp: declarations
+  void declareGlobals();
+  void checkStruct(StructDeclaration& declaration);
+  void checkFunction(FunctionDeclaration& function);
+  void checkBody(FunctionDeclaration& function);
+  void checkShader(ShaderDeclaration& shader);
+  void checkShaderParameter(VariableDeclaration& parameter);
+  void checkMetadata(std::vector<Metadata>& metadata);
+  Type resolveType(const TypeName& name, int arrayLength, const Expression* length);
+  int resolveLength(const VariableDeclaration& declaration);
+  void declareVariable(VariableDeclaration& variable);
+  void declareFunction(FunctionDeclaration& function);
+  void warnWhenHiding(const VariableDeclaration& variable);
+
+  // check_statements.cpp
+  void checkStatement(Statement& statement);
+  void checkVariables(DeclarationStatement& declaration);
+  void checkCondition(Expression& condition);
+  void checkLoop(Loop& loop);
+  void checkReturn(Return& statement, Position position);
+
+  // check_expressions.cpp
+  Type check(Expression& expression, const Type& expected);
+  Type checkNode(Expression& expression, const Type& expected);
+  Type checkName(Expression& expression, Name& name);
+  Type checkUnary(Expression& expression, Unary& unary, const Type& expected);
+  Type checkBinary(Expression& expression, Binary& binary, const Type& expected);
+  Type binaryType(Position position, BinaryOp op, const Expression& left, const Type& leftType, const Type& rightType);
+  Type checkAssign(Expression& expression, Assign& assign);
+  Type checkConditional(Expression& expression, Conditional& conditional, const Type& expected);
+  Type checkIndex(Expression& expression, Index& index, bool rowAllowed);
+  Type checkField(Expression& expression, Field& field);
+  void checkWritable(const Expression& target);
+  void requireAssignable(const Type& to, const Expression& from, std::string_view what);
+  /// Checks `expression` as the initial value of something of type `target`; an unsized array gets its length.
+  Type checkInitializer(Expression& expression, const Type& target, std::string_view what);
+  Type checkInitializerList(Expression& expression, InitializerList& list, const Type& target);
+
+  // check_calls.cpp
+  Type checkCall(Expression& expression, Call& call, const Type& expected);
+  Type checkArguments(const Expression& call, std::vector<ExpressionPtr>& arguments, std::vector<Type>& types);
+  void gatherCandidates(std::string_view name, Position position, std::vector<Candidate>& candidates);
+  void addCandidate(std::vector<Candidate>& candidates, Candidate candidate) const;
+  const Candidate* choose(std::vector<Candidate>& candidates, const std::vector<ExpressionPtr>& arguments,
+                          const std::vector<Type>& types, const Type& expected, Position position,
+                          std::string_view name, bool complain);
+  int scoreCandidate(const Candidate& candidate, const std::vector<ExpressionPtr>& arguments,
+                     const std::vector<Type>& types) const;
+  bool listFits(const Expression& list, const Type& type) const;
+  void bindArguments(const Candidate& candidate, std::vector<ExpressionPtr>& arguments, Position position);
+  void useFunction(const FunctionDeclaration& function, Position position);
+  Type checkClosureCall(Expression& expression, Call& call, const ClosureRow& row);
+  void unknownFunction(Position position, std::string_view name);
+  void checkConstantStrings(const Expression& expression, const Call& call);
+  std::string describe(const Candidate& candidate) const;
+  const FunctionDeclaration* findOverload(std::string_view name, std::vector<Expression*> operands, Position position,
+                                          const Type& expected, Type& result);
+
+  // check_constructors.cpp
+  Type checkConstruct(Expression& expression, Construct& construct, const Type& expected);
+  Type checkTriple(Expression& expression, Construct& construct, const Type& type);
+  Type checkMatrix(Expression& expression, Construct& construct);
+  Type checkCast(Expression& expression, Construct& construct, const Type& type);
+  Type checkStructConstructor(Expression& expression, std::vector<ExpressionPtr>& arguments, const StructType& type,
+                              Position position);
+  void checkColorSpace(const Expression& space);
+  const FunctionDeclaration* libraryFunction(std::string_view name, std::size_t parameters, Position position);
+
+  // Names and messages
+  VariableDeclaration* findVariable(std::string_view name) const;
+  const StructType* findStruct(std::string_view name, Position position) const;
+  std::vector<std::string> visibleVariables() const;
+  void error(Position position, std::string message, std::vector<std::string> notes = {});
+  void warning(Position position, std::string message, std::vector<std::string> notes = {});
+  std::string where(Position position) const;
+
+  const SourceMap& sourceMap_;
+  Diagnostics& diagnostics_;
+  std::unique_ptr<CheckedSource> result_;
+  std::vector<Scope> scopes_;
+  std::map<const FunctionDeclaration*, State> functionStates_;
+  std::map<std::string, std::pair<const StructType*, Position>, std::less<>> structs_;
+  std::string shaderKind_;
+  const FunctionDeclaration* function_ = nullptr;  ///< The one whose body is being checked; null in a shader's body.
+  int loopDepth_ = 0;
+  int depth_ = 0;
+};
+
+}  // namespace aerosol::lang

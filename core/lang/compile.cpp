@@ -1,0 +1,51 @@
+#include "core/lang/compile.h"
+
+#include <utility>
+
+#include "core/base/paths.h"
+#include "core/lang/analysis.h"
+#include "core/lang/check.h"
+#include "core/lang/lower.h"
+#include "core/lang/parser.h"
+
+namespace aerosol::lang {
+
+namespace {
+
+Result<CompileOptions> withLibrary(CompileOptions options) {
+  if (!options.standardLibrary.empty()) return options;
+  auto installation = findInstallation();
+  if (!installation) return installation.errors();
+  options.standardLibrary = installation->shaders / "stdosl.h";
+  return options;
+}
+
+Result<CompiledSource> compile(Result<ParsedSource> parsed) {
+  if (!parsed) return parsed.errors();
+  Diagnostics diagnostics = std::move(parsed->warnings);
+  const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics);
+  if (diagnostics.hasErrors()) return diagnostics;
+  auto program = lower(*checked, *parsed->sourceMap, diagnostics);
+  if (!program) return diagnostics;
+  CompiledSource result;
+  result.program = std::make_shared<const Program>(slice(*program, program->outputs, Messages::keep));
+  result.dependencies = std::move(parsed->dependencies);
+  result.warnings = std::move(diagnostics);
+  return result;
+}
+
+}  // namespace
+
+Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options) {
+  auto complete = withLibrary(options);
+  if (!complete) return complete.errors();
+  return compile(parseFile(path, *complete));
+}
+
+Result<CompiledSource> compileString(const std::string& text, const std::string& name, const CompileOptions& options) {
+  auto complete = withLibrary(options);
+  if (!complete) return complete.errors();
+  return compile(parseString(text, name, *complete));
+}
+
+}  // namespace aerosol::lang

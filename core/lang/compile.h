@@ -1,0 +1,39 @@
+// From OSL source text to programs: the front door of the language layer.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/lang/program.h"
+
+namespace aerosol::lang {
+
+struct CompileOptions {
+  std::vector<std::filesystem::path> includePaths;  ///< Searched for `#include`, after the including file's folder.
+  std::vector<std::string> defines;                 ///< NAME or NAME=VALUE.
+  std::filesystem::path standardLibrary;            ///< stdosl.h; empty: the installed one.
+};
+
+/// A file that the compilation looked at, or looked for in vain: what a cache entry depends on.
+struct Dependency {
+  std::filesystem::path path;
+  std::string contentHash;  ///< Empty: the file was searched for and absent.
+};
+
+struct CompiledSource {
+  std::shared_ptr<const Program> program;
+  std::vector<Dependency> dependencies;
+  Diagnostics warnings;
+};
+
+/// Compiles the shader of a source file. (The last `shader` declaration is the shader, as in OSL.)
+/// Errors carry positions with their source lines; as many as can be found in one run.
+Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options);
+
+/// The same from a string; `name` stands for the file in messages.
+Result<CompiledSource> compileString(const std::string& text, const std::string& name, const CompileOptions& options);
+
+}  // namespace aerosol::lang

@@ -1,0 +1,33 @@
+// From a checked syntax tree to a program.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "core/base/diagnostic.h"
+#include "core/lang/check.h"
+#include "core/lang/program.h"
+
+namespace aerosol::lang {
+
+/// Bounds on one program; beyond them there is an error at the place that passed them.
+inline constexpr std::size_t maximumInstructions = 200000;  ///< With all functions inlined.
+inline constexpr std::size_t maximumFrameValues = 1 << 18;  ///< Ints, floats and strings of all variables together.
+inline constexpr int maximumInlining = 128;                 ///< Calls inside of calls.
+
+/// Lowers the shader of a source that was checked without errors: user functions inlined, structures flattened,
+/// closures taken apart into weights and parameters (so that no variable of closure type is left), outputs computed at
+/// the end. Nothing when `diagnostics` got errors.
+std::optional<Program> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics);
+
+/// Says that something is wrong at `Program::locations[location]`.
+using ReportAt = std::function<void(std::uint32_t location, std::string message)>;
+
+/// Replaces closure values: every closure variable becomes, for each call site whose closure it may hold, variables for
+/// what is linear in the weight (surfaces: the weight; volumes: extinction, scattering, emission) and for what is
+/// averaged when two are added (parameters; mean cosine). Appends the outputs of `Ci`. Too many scattering sites in a
+/// volume are reported.
+void expandClosures(Program& program, const ReportAt& report);
+
+}  // namespace aerosol::lang

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "core/lang/lowerer.h"
+
+namespace aerosol::lang {
+
+namespace {
+
+struct NoiseKind {
+  std::string_view name;
+  const char* symbol;
+  bool periodic;  ///< Has a periodic form, whose symbol has a p in front.
+};
+constexpr std::array<NoiseKind, 8> noiseKinds = {{
+    {"perlin", "perlin", true},
+    {"snoise", "perlin", true},
+    {"uperlin", "uperlin", true},
+    {"noise", "uperlin", true},
+    {"cell", "cell", true},
+    {"hash", "hash", true},
+    {"simplex", "simplex", false},
+    {"usimplex", "usimplex", false},
+}};
+
+}  // namespace
+
+VariableId Lowerer::componentOf(VariableId triple, int index) {
+  return emit(Op::component, types::floating, {triple, constantInt(index)});
+}
+
+std::vector<Value> Lowerer::lowerArguments(const Call& called) {
+  const auto& parameters = called.builtin->parameters;
+  const auto& arguments = called.arguments;
+  std::vector<Value> values;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const bool converts = i < parameters.size() && !(parameters[i] == types::none);
+    Value value = converts ? lowerTo(*arguments[i], parameters[i]) : lower(*arguments[i]);
+    values.push_back(protect(std::move(value), std::span(arguments).subspan(i + 1)));
+  }
+  return values;
+}
+
+Value Lowerer::lowerBuiltin(const Expression& expression, const Call& called) {
+  const BuiltinOverload& overload = *called.builtin;
+  if (overload.row->kind == BuiltinKind::special) return lowerSpecial(expression, called);
+  const std::vector<Value> arguments = lowerArguments(called);
+  position_ = expression.position;
+  if (overload.row->kind == BuiltinKind::componentwise)
+    return componentwise(overload.row->symbol, overload.result, arguments);
+  std::vector<VariableId> ids;
+  for (const Value& argument : arguments) ids.push_back(argument.single());
+  return {overload.result, {call(overload.row->symbol, overload.result, std::move(ids))}};
+}
+
+Value Lowerer::componentwise(const std::string& base, const Type& result, const std::vector<Value>& arguments) {
+  const auto callFor = [&](int component) {
+    std::vector<VariableId> ids;
+    for (const Value& argument : arguments)
+      ids.push_back(argument.type.isTriple() ? componentOf(argument.single(), component) : argument.single());
+    return call(base, result == types::integer ? types::integer : types::floating, std::move(ids));
+  };
+  if (!result.isTriple()) return {result, {callFor(0)}};
+  const VariableId x = callFor(0), y = callFor(1), z = callFor(2);
+  return {result, {emit(Op::makeTriple, result, {x, y, z})}};
+}
+
+Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
+  const std::string_view name = called.builtin->row->name;
+  const Type& result = called.builtin->result;
+  if (name == "atan") {
+    const auto arguments = lowerArguments(called);
+    return componentwise(arguments.size() == 2 ? "atan2" : "atan", result, arguments);
+  }
+  if (name == "sincos") return lowerSincos(called);
+  if (name == "select") return lowerSelect(result, lowerArguments(called));
+  if (name == "noise") return lowerNoise(expression, called, false);
+  if (name == "pnoise") return lowerNoise(expression, called, true);
+  if (name == "transform") return lowerTransform(expression, called);
+  if (name == "transformu") return lowerTransformUnits(expression, called);
+  if (name == "getmatrix") return lowerGetMatrix(called);
+  if (name == "printf" || name == "warning" || name == "error") return lowerMessage(expression, called);
+  if (name == "arraylength") {
+    const Value array = lower(*called.arguments[0]);
+    return {result, {constantInt(array.type.arrayLength)}};
+  }
+  if (name == "exit") {
+    frames_.front().usesLeave = true;
+    append(Op::leave).scopeId = frames_.front().scopeId;
+    return {result, {}};
+  }
+  return lowerStringFunction(expression, called);
+}
+
+Value Lowerer::lowerSelect(const Type& type, const std::vector<Value>& arguments) {
+  const VariableId first = arguments[0].single(), second = arguments[1].single();
+  const VariableId condition = arguments[2].single();
+  if (!arguments[2].type.isTriple()) return {type, {emit(Op::select, type, {toBool(condition), second, first})}};
+  std::vector<VariableId> components;
+  for (int i = 0; i < 3; ++i) {
+    const VariableId truth = toBool(componentOf(condition, i));
+    components.push_back(emit(Op::select, types::floating, {truth, componentOf(second, i), componentOf(first, i)}));
+  }
+  return {type, {emit(Op::makeTriple, type, std::move(components))}};
+}
+
+Value Lowerer::lowerSincos(const Call& called) {
+  const Type& type = called.builtin->parameters[0];
+  const Value angle = copied(lowerTo(*called.arguments[0], type));
+  const Place sine = place(*called.arguments[1]), cosine = place(*called.arguments[2]);
+  std::vector<VariableId> sines, cosines;
+  for (int i = 0; i < (type.isTriple() ? 3 : 1); ++i) {
+    const VariableId x = type.isTriple() ? componentOf(angle.single(), i) : angle.single();
+    sines.push_back(temporary(types::floating));
+    cosines.push_back(temporary(types::floating));
+    call("sincos", types::none, {x, sines.back(), cosines.back()}, 0b110);
+  }
+  const auto put = [&](const Place& target, std::vector<VariableId> values) {
+    const VariableId value = type.isTriple() ? emit(Op::makeTriple, type, std::move(values)) : values[0];
+    store(target, {type, {value}});
+  };
+  put(sine, std::move(sines));
+  put(cosine, std::move(cosines));
+  return {types::none, {}};
+}
+
+Value Lowerer::noiseCall(const std::string& kind, const Type& type, const std::vector<Value>& coordinates,
+                         bool periodic) {
+  std::vector<VariableId> ids;
+  for (const Value& coordinate : coordinates) ids.push_back(coordinate.single());
+  return {type, {call((periodic ? "p" : "") + kind, type, std::move(ids))}};
+}
+
+Value Lowerer::lowerNoise(const Expression& expression, const Call& called, bool periodic) {
+  const Type type = called.builtin->result;
+  std::vector<Value> arguments = lowerArguments(called);
+  if (!(arguments[0].type == types::string)) return noiseCall("uperlin", type, arguments, periodic);
+  const VariableId kind = arguments[0].single();
+  arguments.erase(arguments.begin());
+  if (const auto known = constantOf(kind)) {
+    for (const NoiseKind& row : noiseKinds)
+      if (known->asString() == row.name && (row.periodic || !periodic))
+        return noiseCall(row.symbol, type, arguments, periodic);
+    error(called.arguments[0]->position,
+          std::string("unknown kind of ") + (periodic ? "periodic noise" : "noise") + " \"" + known->asString() + "\"");
+    return zeroValue(type);
+  }
+  // A kind that is known when the program runs: a choice, which folds once the parameter does.
+  for (Value& argument : arguments) argument = copied(argument);
+  const Value result = localValue(type, "noise");
+  if (loopDepth_ > 0) assign(result, zeroValue(type));
+  const auto choose = [&](const auto& self, std::size_t row) -> void {
+    if (row == noiseKinds.size()) {
+      Instruction& instruction = append(Op::message);
+      instruction.function = static_cast<std::uint32_t>(MessageKind::error);
+      instruction.arguments = {constantString("unknown kind of noise \"%s\""), kind};
+      return;
+    }
+    if (periodic && !noiseKinds[row].periodic) {
+      self(self, row + 1);
+      return;
+    }
+    const VariableId isKind =
+        emit(Op::equal, types::integer, {kind, constantString(std::string(noiseKinds[row].name))});
+    branch(
+        isKind, [&] { assign(result, noiseCall(noiseKinds[row].symbol, type, arguments, periodic)); },
+        [&] { self(self, row + 1); });
+  };
+  position_ = expression.position;
+  choose(choose, 0);
+  return result;
+}
+
+}  // namespace aerosol::lang

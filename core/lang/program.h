@@ -1,0 +1,204 @@
+// A shader as structured three-address code: what every number domain (wide, range, dual) is lowered from.
+//
+// User functions are inlined, structures are flattened to their leaf fields, spaces and conversions are explicit
+// instructions. Control flow stays structured (if, loop, scope), so that a back end can run it under masks. Every
+// analysis (liveness, uniformity, what is read) is done here, once for all domains, and without LLVM.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/base/diagnostic.h"
+#include "core/lang/type.h"
+
+namespace aerosol::lang {
+
+/// Index into `Program::variables`.
+using VariableId = std::uint32_t;
+inline constexpr VariableId noVariable = 0xffffffffu;
+
+/// The shader globals, in the order in which kernels receive them. Derivative globals (dPdu …) are ordinary values.
+enum class Global : std::uint8_t { P, I, N, Ng, u, v, dPdu, dPdv, Ps, time, dtime, dPdtime, Ci };
+inline constexpr int globalCount = 13;
+
+enum class Storage : std::uint8_t {
+  constant,   ///< `value` holds it.
+  parameter,  ///< Shader parameter; its instance value, or the result of the initialiser code in `Program::body`.
+  global,     ///< Shader global; readable, and writable as a local copy (Ci is the result).
+  local,      ///< Declared by the author (or a formal parameter of an inlined function). Starts zeroed.
+  temporary,  ///< Written exactly once, before every read of it, in the block of its reads or an enclosing one.
+};
+
+/// Leaf values: ints, floats (also triples and matrices, row-major) or strings; arrays one element after the other.
+using ConstantValue =
+    std::variant<std::monostate, std::vector<std::int32_t>, std::vector<float>, std::vector<std::string>>;
+
+/// One variable. Its type is int, float, string, a triple, matrix, `closure color`, or a sized array of one of these
+/// (no closures in arrays); structures do not occur.
+struct Variable {
+  std::string name;  ///< As in source; fields of structures as `s.field`; temporaries are unnamed.
+  Type type;
+  Storage storage = Storage::local;
+  std::uint32_t location = 0;   ///< Index into `Program::locations`.
+  std::uint32_t parameter = 0;  ///< Index into `Program::parameters` when storage is parameter.
+  Global global{};              ///< When storage is global.
+  ConstantValue value;          ///< When storage is constant.
+};
+
+enum class Op : std::uint8_t {
+  // result = op(arguments). A triple argument beside a float one means: the float is used for all three components.
+  assign,        ///< (x): same type, arrays too; triples of any kind, closures too.
+  toFloat,       ///< (int) → float
+  toInt,         ///< (float) → int, truncating, saturating; NaN → 0
+  toTriple,      ///< (float) → triple with three equal components
+  toMatrix,      ///< (float) → matrix with that diagonal
+  makeTriple,    ///< (x, y, z)
+  makeMatrix,    ///< (16 floats, row by row)
+  toBool,        ///< (int | float | triple | string …) → int 0 or 1: is any component not zero, is the string not empty
+  component,     ///< (triple, int index) → float; out of range: clamped and reported
+  setComponent,  ///< result[arg0] = arg1, result a triple (read and written)
+  matrixElement,     ///< (matrix, int row, int column) → float
+  setMatrixElement,  ///< result[arg0][arg1] = arg2
+  element,           ///< (array, int index) → element; out of range: clamped and reported
+  setElement,        ///< result[arg0] = arg1, result an array
+  negate,
+  bitNot,
+  logicalNot,
+  add,
+  subtract,
+  multiply,
+  divide,
+  modulo,  ///< ints, floats, triples, matrices; x/0 = 0 and x%0 = 0 as OSL has it; ints wrap
+  bitAnd,
+  bitOr,
+  bitXor,
+  shiftLeft,
+  shiftRight,  ///< shift counts are taken modulo 32
+  less,
+  lessEqual,
+  greater,
+  greaterEqual,
+  equal,
+  notEqual,  ///< → int; equality on every type, order on int and float
+  logicalAnd,
+  logicalOr,  ///< of ints, both sides evaluated (the front end uses `branch` where the right side has effects or may be
+              ///< dear)
+  select,     ///< (int condition, a, b) → a or b, both evaluated
+  call,       ///< a library function: `function` names the row and overload
+  message,    ///< printf, warning, error, fprintf…: arguments[0] is the constant format string; kind in `function`
+  // Closures. A closure value is, for every call site of the program, a weight (colour) and the site's parameters.
+  closureMake,       ///< closure with site `site` at weight 1; arguments are the parameters of the closure's row
+  closureScale,      ///< (closure, float | colour): weights are multiplied
+  closureAdd,        ///< (closure, closure): weights add; parameters of a site present in both: the mean, weighted by
+                     ///< |weight|
+  closureWeight,     ///< (closure) → colour: weight of site `site`
+  closureParameter,  ///< (closure) → parameter number `scopeId` of site `site`
+  // Control flow. Bodies are blocks of instructions.
+  branch,  ///< if (arg0 int ≠ 0) bodies[0] else bodies[1]
+  loop,    ///< bodies[0]: computes the condition variable arg0; bodies[1]: body; bodies[2]: step. testsLast: do-while
+  breakLoop,
+  continueLoop,  ///< of the innermost loop
+  scope,         ///< bodies[0]; `scopeId`
+  leave,  ///< to the end of the enclosing scope with `scopeId` (return of an inlined function or of the shader; exit)
+};
+
+struct Instruction {
+  Op op{};
+  bool testsLast = false;
+  VariableId result = noVariable;
+  std::uint32_t location = 0;  ///< Index into `Program::locations`.
+  std::uint32_t scopeId = 0;
+  std::uint32_t site = 0;      ///< Index into `Program::closureSites`.
+  std::uint32_t function = 0;  ///< Index into `Program::functions` for `call`, or a MessageKind for `message`.
+  std::vector<VariableId> arguments;
+  std::vector<std::vector<Instruction>> bodies;
+};
+using Code = std::vector<Instruction>;
+
+enum class MessageKind : std::uint8_t { print, warning, error };
+
+/// A library function as called: `symbol` is its name in the run-time library without the domain's prefix, such as
+/// `perlin_f_v` (see builtins.h). Pure functions may be dropped, moved and repeated.
+struct FunctionUse {
+  std::string symbol;
+  bool pure = true;
+  std::uint32_t outputs = 0;  ///< Bit i set: arguments[i] is written. (The result is separate.)
+};
+
+/// A closure constructor as it stands in the source.
+struct ClosureSite {
+  std::string closure;  ///< Name of the closure's row: "anisotropic_vdf".
+  std::uint32_t location = 0;
+  std::vector<Type> parameterTypes;  ///< float, int, string or triple
+  std::vector<std::string> parameterNames;
+};
+
+/// A metadata entry, folded to a constant.
+struct MetadataValue {
+  std::string name;
+  Type type;
+  ConstantValue value;
+};
+
+/// A leaf shader parameter. (A parameter that is a structure gives one entry a field: `s.a`.)
+struct Parameter {
+  std::string name;
+  Type type;
+  bool isOutput = false;
+  bool hasConstantDefault = true;  ///< Otherwise the default is computed by the body where no instance value is given.
+  ConstantValue defaultValue;
+  std::vector<MetadataValue> metadata;
+  SourceLocation location;
+  VariableId variable = noVariable;  ///< Its value in `Program::variables`.
+  VariableId isSet = noVariable;  ///< Int variable (storage parameter) that is 1 when an instance gives a value; only
+                                  ///< when !hasConstantDefault.
+};
+
+/// What a kernel can deliver. A variant of a kernel delivers a subset; what only the others need is not computed.
+enum class OutputKind : std::uint8_t {
+  // Volume shaders: coefficients of Ci, linear in the closure weights.
+  sigmaT,          ///< Colour, per unit length: extinction.
+  sigmaS,          ///< Colour, per unit length: scattering, all lobes together.
+  emission,        ///< Colour, radiance per unit length.
+  lobeSigmaS,      ///< Colour; `index` is the lobe (one a scattering call site, at most `maximumLobes`).
+  lobeAnisotropy,  ///< Float in [-1, 1]; `index` is the lobe.
+  // Surface shaders: Ci as weights and parameters of its closure call sites.
+  siteWeight,     ///< Colour; `index` is the site.
+  siteParameter,  ///< `index` is the site, `subIndex` the parameter.
+  // Any shader.
+  parameter,  ///< An output parameter; `index` is the parameter.
+};
+
+struct Output {
+  OutputKind kind{};
+  std::uint32_t index = 0;
+  std::uint32_t subIndex = 0;
+  VariableId variable = noVariable;  ///< Holds the value when the body has run.
+};
+
+inline constexpr int maximumLobes = 4;
+
+/// A compiled shader before code generation.
+struct Program {
+  std::string kind;  ///< surface | volume | displacement | shader
+  std::string name;
+  std::vector<MetadataValue> metadata;
+  std::vector<Parameter> parameters;
+  std::vector<Variable> variables;
+  std::vector<FunctionUse> functions;
+  std::vector<ClosureSite> closureSites;
+  std::vector<SourceLocation> locations;
+  Code body;
+  VariableId ci = noVariable;   ///< The closure variable Ci (surface and volume shaders).
+  std::vector<Output> outputs;  ///< Everything that can be asked of a kernel, computed at the end of `body`.
+
+  bool isVolume() const { return kind == "volume"; }
+};
+
+/// A readable listing, for tests and debugging.
+std::string toString(const Program& program);
+
+}  // namespace aerosol::lang

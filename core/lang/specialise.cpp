@@ -1,0 +1,304 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "core/lang/analysis.h"
+#include "core/lang/fold.h"
+
+namespace aerosol::lang {
+
+namespace {
+
+/// What is known of written variables at one point of the program: another variable (a constant, or one that is never
+/// written) that has the same value.
+using Known = std::unordered_map<VariableId, VariableId>;
+
+/// One walk over the code in the order in which it runs. Facts about temporaries hold wherever these can be read; facts
+/// about other variables are forgotten where paths with different facts meet.
+class Specialiser {
+ public:
+  Specialiser(const Program& program, const ParameterValues& values) : program_(program) {
+    writes_.assign(program.variables.size(), 0);
+    forEachInstruction(program.body, [&](const Instruction& instruction) {
+      forEachWritten(program, instruction, [&](VariableId id) { ++writes_[id]; });
+    });
+    temporaries_.assign(program.variables.size(), noVariable);
+    for (VariableId id = 0; id < program.variables.size(); ++id) {
+      const Variable& variable = program.variables[id];
+      if (variable.storage == Storage::constant) constants_.emplace(bitsKey({variable.type, variable.value}), id);
+      const bool startsZero = variable.storage == Storage::local && !variable.type.isArray() && !variable.type.closure;
+      if (startsZero) known_[id] = constant(zeroConstant(variable.type));
+    }
+    for (const auto& [index, value] : values) give(index, value);
+  }
+
+  Program run() {
+    Code body = std::move(start_);
+    walk(program_.body, body);
+    for (Output& output : program_.outputs) output.variable = resolve(output.variable);
+    program_.body = std::move(body);
+    return std::move(program_);
+  }
+
+ private:
+  void give(std::uint32_t index, const ConstantValue& value) {
+    const Parameter& parameter = program_.parameters.at(index);
+    const bool isGiven = !std::holds_alternative<std::monostate>(value);
+    if (parameter.isSet != noVariable) known_[parameter.isSet] = constant(Constant::ofInt(isGiven ? 1 : 0));
+    if (!isGiven && !parameter.hasConstantDefault) return;
+    if (parameter.variable == noVariable) return;
+    const VariableId fixed = constant({parameter.type, isGiven ? value : parameter.defaultValue});
+    known_[parameter.variable] = fixed;
+    if (writes_[parameter.variable] == 0) return;
+    // The program writes it on some paths: what it holds on the others must be there too.
+    Instruction instruction;
+    instruction.op = Op::assign;
+    instruction.result = parameter.variable;
+    instruction.arguments = {fixed};
+    start_.push_back(std::move(instruction));
+  }
+
+  // Variables
+
+  VariableId constant(const Constant& value) {
+    const auto [known, isNew] = constants_.emplace(bitsKey(value), noVariable);
+    if (isNew) {
+      Variable variable;
+      variable.type = value.type;
+      variable.storage = Storage::constant;
+      variable.value = value.value;
+      program_.variables.push_back(std::move(variable));
+      temporaries_.push_back(noVariable);
+      writes_.push_back(0);
+      known->second = static_cast<VariableId>(program_.variables.size() - 1);
+    }
+    return known->second;
+  }
+
+  VariableId resolve(VariableId id) const {
+    if (id == noVariable) return id;
+    if (temporaries_[id] != noVariable) return temporaries_[id];
+    const auto found = known_.find(id);
+    return found == known_.end() ? id : found->second;
+  }
+  bool isConstant(VariableId id) const { return program_.variables[id].storage == Storage::constant; }
+  Constant valueOf(VariableId id) const { return {program_.variables[id].type, program_.variables[id].value}; }
+  bool isTemporary(VariableId id) const { return program_.variables[id].storage == Storage::temporary; }
+  /// May `source` stand for `target` from here on? A temporary may for a temporary only: what else is assigned can be
+  /// read outside of the block of the temporary.
+  bool mayStandFor(VariableId source, VariableId target) const {
+    return isConstant(source) || writes_[source] == 0 || (isTemporary(source) && isTemporary(target));
+  }
+
+  void forget(VariableId id) { known_.erase(id); }
+  void forgetWritten(const Code& code) {
+    forEachInstruction(code, [&](const Instruction& instruction) {
+      forEachWritten(program_, instruction, [&](VariableId id) { forget(id); });
+    });
+  }
+  void keepCommon(const Known& other) {
+    std::erase_if(known_, [&](const auto& fact) {
+      const auto same = other.find(fact.first);
+      return same == other.end() || same->second != fact.second;
+    });
+  }
+
+  // Instructions
+
+  /// True when control never reaches the code's end.
+  bool walk(const Code& code, Code& out) {
+    for (const Instruction& instruction : code)
+      if (step(instruction, out)) return true;
+    return false;
+  }
+
+  bool step(const Instruction& instruction, Code& out) {
+    switch (instruction.op) {
+      case Op::branch:
+        return branch(instruction, out);
+      case Op::loop:
+        return loop(instruction, out);
+      case Op::scope:
+        return scope(instruction, out);
+      case Op::breakLoop:
+      case Op::continueLoop:
+      case Op::leave:
+        out.push_back(instruction);
+        return true;
+      default:
+        plain(instruction, out);
+        return false;
+    }
+  }
+
+  bool branch(const Instruction& instruction, Code& out) {
+    const VariableId condition = resolve(instruction.arguments[0]);
+    if (isConstant(condition)) return walk(instruction.bodies[valueOf(condition).asInt() != 0 ? 0 : 1], out);
+    Instruction copy = instruction;
+    copy.arguments[0] = condition;
+    const Known before = known_;
+    copy.bodies[0].clear();
+    const bool yesEnds = walk(instruction.bodies[0], copy.bodies[0]);
+    Known afterYes = std::exchange(known_, before);
+    copy.bodies[1].clear();
+    const bool noEnds = walk(instruction.bodies[1], copy.bodies[1]);
+    if (noEnds) {
+      known_ = std::move(afterYes);
+    } else if (!yesEnds) {
+      keepCommon(afterYes);
+    }
+    if (!copy.bodies[0].empty() || !copy.bodies[1].empty()) out.push_back(std::move(copy));
+    return yesEnds && noEnds;
+  }
+
+  bool loop(const Instruction& instruction, Code& out) {
+    for (const Code& body : instruction.bodies) forgetWritten(body);
+    const Known before = known_;
+    Instruction copy = instruction;
+    for (std::size_t i = 0; i < copy.bodies.size(); ++i) {
+      copy.bodies[i].clear();
+      // A jump may lead past the end of the body: what is known there is what was known before the loop.
+      if (i > 0) known_ = before;
+      walk(instruction.bodies[i], copy.bodies[i]);
+      if (i == 0) {
+        copy.arguments[0] = resolve(instruction.arguments[0]);
+        const bool never = isConstant(copy.arguments[0]) && valueOf(copy.arguments[0]).asInt() == 0;
+        if (never && !instruction.testsLast) {
+          std::move(copy.bodies[0].begin(), copy.bodies[0].end(), std::back_inserter(out));
+          return false;
+        }
+      }
+    }
+    known_ = before;
+    for (const Code& body : instruction.bodies) forgetWritten(body);
+    out.push_back(std::move(copy));
+    return false;
+  }
+
+  bool scope(const Instruction& instruction, Code& out) {
+    Instruction copy = instruction;
+    copy.bodies[0].clear();
+    const bool ends = walk(instruction.bodies[0], copy.bodies[0]);
+    bool isLeft = false;
+    forEachInstruction(copy.bodies[0], [&](const Instruction& inner) {
+      isLeft = isLeft || (inner.op == Op::leave && inner.scopeId == instruction.scopeId);
+    });
+    if (!isLeft) {
+      std::move(copy.bodies[0].begin(), copy.bodies[0].end(), std::back_inserter(out));
+      return ends;
+    }
+    forgetWritten(instruction.bodies[0]);
+    out.push_back(std::move(copy));
+    return false;
+  }
+
+  void plain(const Instruction& instruction, Code& out) {
+    Instruction copy = instruction;
+    const std::uint32_t outputs = copy.op == Op::call ? program_.functions[copy.function].outputs : 0;
+    for (std::size_t i = 0; i < copy.arguments.size(); ++i)
+      if (i >= 32 || (outputs >> i & 1u) == 0) copy.arguments[i] = resolve(copy.arguments[i]);
+    const std::optional<VariableId> value = result(copy);
+    forEachWritten(program_, copy, [&](VariableId id) { forget(id); });
+    if (copy.result == noVariable) {
+      out.push_back(std::move(copy));
+      return;
+    }
+    if (!value || !mayStandFor(*value, copy.result)) {
+      out.push_back(std::move(copy));
+      return;
+    }
+    if (isTemporary(copy.result)) {
+      temporaries_[copy.result] = *value;
+      return;
+    }
+    known_[copy.result] = *value;
+    copy.op = Op::assign;
+    copy.arguments = {*value};
+    out.push_back(std::move(copy));
+  }
+
+  /// A variable that has the value of the instruction's result.
+  std::optional<VariableId> result(const Instruction& instruction) {
+    if (instruction.result == noVariable || instruction.op == Op::call) return std::nullopt;
+    const Type type = program_.variables[instruction.result].type;
+    const auto& arguments = instruction.arguments;
+    if (instruction.op == Op::assign || instruction.op == Op::select) return choice(instruction, type);
+    std::vector<Constant> values;
+    for (const VariableId argument : arguments)
+      if (isConstant(argument)) values.push_back(valueOf(argument));
+    if (values.size() != arguments.size()) return identity(instruction, type);
+    std::vector<const Constant*> pointers;
+    for (const Constant& value : values) pointers.push_back(&value);
+    std::optional<Constant> previous;
+    if (updatesResult(instruction.op)) {
+      const VariableId before = resolve(instruction.result);
+      if (!isConstant(before)) return std::nullopt;
+      previous = valueOf(before);
+    }
+    const auto folded = foldOperation(instruction.op, type, pointers, previous ? &*previous : nullptr);
+    if (!folded) return std::nullopt;
+    return constant(*folded);
+  }
+
+  std::optional<VariableId> choice(const Instruction& instruction, const Type& type) {
+    VariableId source = instruction.arguments[0];
+    if (instruction.op == Op::select) {
+      if (!isConstant(source)) return std::nullopt;
+      source = instruction.arguments[valueOf(source).asInt() != 0 ? 1 : 2];
+    }
+    const bool sameType = program_.variables[source].type == type;
+    if (isConstant(source)) return sameType ? source : constant({type, valueOf(source).value});
+    return sameType ? std::optional(source) : std::nullopt;
+  }
+
+  /// x * 1, x / 1, x - 0: identities that keep every bit. (x + 0 does not: -0 + 0 is 0; nor does x * 0.)
+  std::optional<VariableId> identity(const Instruction& instruction, const Type& type) {
+    if (instruction.arguments.size() != 2) return std::nullopt;
+    const VariableId left = instruction.arguments[0], right = instruction.arguments[1];
+    const auto passes = [&](VariableId id) -> std::optional<VariableId> {
+      return program_.variables[id].type == type ? std::optional(id) : std::nullopt;
+    };
+    const auto holds = [&](VariableId id, float number, std::int32_t integer) {
+      if (!isConstant(id) || program_.variables[id].type.base == BaseType::matrix) return false;
+      const ConstantValue& value = program_.variables[id].value;
+      if (const auto* ints = std::get_if<std::vector<std::int32_t>>(&value))
+        return ints->size() == 1 && (*ints)[0] == integer;
+      const auto* floats = std::get_if<std::vector<float>>(&value);
+      return floats && std::all_of(floats->begin(), floats->end(), [&](float f) {
+               return std::bit_cast<std::uint32_t>(f) == std::bit_cast<std::uint32_t>(number);
+             });
+    };
+    if (type.base == BaseType::matrix) return std::nullopt;
+    switch (instruction.op) {
+      case Op::multiply:
+        if (holds(right, 1.0f, 1)) return passes(left);
+        return holds(left, 1.0f, 1) ? passes(right) : std::nullopt;
+      case Op::divide:
+        return holds(right, 1.0f, 1) ? passes(left) : std::nullopt;
+      case Op::subtract:
+        return holds(right, 0.0f, 0) ? passes(left) : std::nullopt;
+      case Op::add:
+        if (holds(right, -0.0f, 0)) return passes(left);
+        return holds(left, -0.0f, 0) ? passes(right) : std::nullopt;
+      default:
+        return std::nullopt;
+    }
+  }
+
+  Program program_;
+  std::vector<std::uint32_t> writes_;                      ///< By variable: instructions that write it.
+  std::unordered_map<std::string, VariableId> constants_;  ///< By bitsKey.
+  std::vector<VariableId> temporaries_;                    ///< By variable: what stands for a temporary.
+  Known known_;
+  Code start_;
+};
+
+}  // namespace
+
+Program specialise(const Program& program, const ParameterValues& values) { return Specialiser(program, values).run(); }
+
+}  // namespace aerosol::lang

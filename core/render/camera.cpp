@@ -1,0 +1,76 @@
+#include "core/render/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/render/warp.h"
+
+namespace aerosol::render {
+
+namespace {
+
+/// Tangent of half the horizontal angle of view; `aspect` is width / height.
+double horizontalTangent(const scene::FieldOfView& fov, double aspect) {
+  const double tangent = std::tan(static_cast<double>(fov.degrees) * (std::numbers::pi / 360));
+  const bool isWide = aspect > 1;
+  switch (fov.axis) {
+    case scene::FovAxis::x:
+      return tangent;
+    case scene::FovAxis::y:
+      return tangent * aspect;
+    case scene::FovAxis::diagonal:
+      return tangent / std::sqrt(1 + 1 / (aspect * aspect));
+    case scene::FovAxis::smaller:
+      return isWide ? tangent * aspect : tangent;
+    case scene::FovAxis::larger:
+      return isWide ? tangent : tangent * aspect;
+  }
+  return tangent;
+}
+
+}  // namespace
+
+Camera::Camera(const scene::Sensor& sensor, const scene::Film& film)
+    : toWorld_(sensor.toWorld),
+      width_(film.width),
+      height_(film.height),
+      tangentX_(horizontalTangent(sensor.fieldOfView(), width_ / height_)),
+      tangentY_(tangentX_ * height_ / width_),
+      nearClip_(static_cast<double>(sensor.nearClip)),
+      farClip_(static_cast<double>(sensor.farClip)),
+      apertureRadius_(sensor.type == scene::SensorType::thinlens ? static_cast<double>(sensor.apertureRadius) : 0),
+      focusDistance_(static_cast<double>(sensor.focusDistance.value_or(sensor.farClip))) {}
+
+Ray<World> Camera::ray(const CameraSample& sample) const {
+  const double sx = (1 - 2 * static_cast<double>(sample.x) / width_) * tangentX_;
+  const double sy = (1 - 2 * static_cast<double>(sample.y) / height_) * tangentY_;
+  double lensX = 0, lensY = 0;
+  if (hasLens()) {
+    const std::array<double, 2> disk = toConcentricDisk(sample.lens);
+    lensX = apertureRadius_ * disk[0];
+    lensY = apertureRadius_ * disk[1];
+  }
+  const std::array<double, 3> d{sx - lensX / focusDistance_, sy - lensY / focusDistance_, 1};
+  const Matrix4& m = toWorld_.matrix();
+  std::array<double, 3> origin, direction;
+  for (std::size_t i = 0; i < 3; ++i) {
+    origin[i] = m[i][0] * lensX + m[i][1] * lensY + m[i][3];
+    direction[i] = m[i][0] * d[0] + m[i][1] * d[1] + m[i][2] * d[2];
+  }
+  const double norm =
+      std::sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+  const auto point = [](const std::array<double, 3>& v) {
+    return Point<World>{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+  };
+  Ray<World> ray;
+  ray.origin = point(origin);
+  ray.direction = {static_cast<float>(direction[0] / norm), static_cast<float>(direction[1] / norm),
+                   static_cast<float>(direction[2] / norm)};
+  ray.tMin = static_cast<float>(nearClip_ * norm);
+  ray.tMax = static_cast<float>(farClip_ * norm);
+  ray.time = sample.time;
+  return ray;
+}
+
+}  // namespace aerosol::render

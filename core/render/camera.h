@@ -1,0 +1,39 @@
+// The cameras: perspective, with a pinhole or a thin lens.
+#pragma once
+
+#include <array>
+
+#include "core/base/geometry.h"
+#include "core/scene/description.h"
+
+namespace aerosol::render {
+
+/// What one camera ray is made of.
+struct CameraSample {
+  float x = 0, y = 0;           ///< Place on the whole film, pixels, from the upper left corner, y downwards.
+  std::array<float, 2> lens{};  ///< In [0, 1)².
+  float time = 0;               ///< Seconds.
+};
+
+/// Mitsuba's conventions: the camera looks along +z of its space with +y up; seen from it, +x is to the left. The field
+/// of view spans the whole film, whatever is cropped.
+class Camera {
+ public:
+  Camera(const scene::Sensor& sensor, const scene::Film& film);
+
+  /// Unit direction, origin on the lens. `tMin` and `tMax` lie on the clip planes, which are at right angles to the
+  /// view.
+  Ray<World> ray(const CameraSample& sample) const;
+
+  /// Whether `ray` uses `CameraSample::lens`.
+  bool hasLens() const { return apertureRadius_ > 0; }
+
+ private:
+  Transform<World, aerosol::Camera> toWorld_;
+  double width_, height_;       ///< Pixels of the whole film.
+  double tangentX_, tangentY_;  ///< Of half the angle of view.
+  double nearClip_, farClip_;
+  double apertureRadius_, focusDistance_;
+};
+
+}  // namespace aerosol::render

@@ -1,0 +1,14 @@
+#include "core/render/closure.h"
+
+namespace aerosol::render {
+
+Color Closure::evaluate(std::span<const float>, const ClosurePoint&, Vector<World>) const { return {}; }
+float Closure::pdf(std::span<const float>, const ClosurePoint&, Vector<World>) const { return 0; }
+std::optional<ClosureSample> Closure::sample(std::span<const float>, const ClosurePoint&,
+                                             const ClosureUniforms&) const {
+  return {};
+}
+Color Closure::albedo(std::span<const float>, const ClosurePoint&) const { return {}; }
+Color Closure::emitted(std::span<const float>, const ClosurePoint&) const { return {}; }
+
+}  // namespace aerosol::render

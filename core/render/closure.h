@@ -1,0 +1,65 @@
+// Closures: what surface shaders return, as the integrator sees them.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "core/base/color.h"
+#include "core/base/described_field.h"
+#include "core/base/geometry.h"
+
+namespace aerosol::render {
+
+enum class ClosureKind : unsigned char {
+  scattering,   ///< Has a density over directions.
+  transparent,  ///< Lets light pass straight on.
+  emission      ///< Emits and does not scatter.
+};
+
+/// Where a closure is asked. Unit vectors in world space.
+struct ClosurePoint {
+  Vector<World> toViewer;
+  Normal<World> geometricNormal;  ///< Either side.
+};
+
+/// Random numbers for one sample, each in [0, 1).
+struct ClosureUniforms {
+  float choice = 0;
+  std::array<float, 2> place{};
+};
+
+struct ClosureSample {
+  Vector<World> direction;  ///< Unit, away from the surface.
+  Color weight;             ///< f |cos| / pdf.
+  float pdf = 0;            ///< Per steradian; of a delta direction the probability of having chosen it.
+  bool isDelta = false;
+  bool isPassing = false;  ///< Goes straight on, as if nothing was there.
+};
+
+/// A closure. Its parameters are floats as described by `fields`. Directions point away from the surface.
+class Closure {
+ public:
+  virtual ~Closure() = default;
+
+  virtual std::string_view name() const = 0;
+  virtual std::string_view doc() const = 0;
+  virtual std::span<const DescribedField> fields() const = 0;
+  virtual ClosureKind kind() const = 0;
+
+  /// Bidirectional scattering function times |cos| between `toLight` and the shading normal; without delta parts.
+  virtual Color evaluate(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const;
+  /// The density with which `sample` returns `toLight`.
+  virtual float pdf(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const;
+  /// None when the light is absorbed.
+  virtual std::optional<ClosureSample> sample(std::span<const float> parameters, const ClosurePoint& point,
+                                              const ClosureUniforms& u) const;
+  /// The part of light that is scattered back or on, each channel in [0, 1]. An estimate is enough for choosing among
+  /// closures, but what has a chance of scattering is not 0.
+  virtual Color albedo(std::span<const float> parameters, const ClosurePoint& point) const;
+  /// Radiance towards the viewer.
+  virtual Color emitted(std::span<const float> parameters, const ClosurePoint& point) const;
+};
+
+}  // namespace aerosol::render

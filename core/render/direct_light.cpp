@@ -1,0 +1,70 @@
+#include "core/render/direct_light.h"
+
+#include <cmath>
+
+#include "core/render/medium_walk.h"
+#include "core/render/prepared_scene.h"
+
+namespace aerosol::render {
+
+namespace {
+
+/// The ray from a vertex to a light sample, ending just before the light's surface.
+Ray<World> shadowRay(const ScatteringVertex& vertex, const LightSample& light, float time) {
+  Ray<World> ray;
+  ray.time = time;
+  ray.direction = light.direction;
+  ray.origin = vertex.originTowards(light.direction);
+  if (!std::isfinite(light.distance)) return ray;
+  const bool hasSurface = !(light.normal == Normal<World>());
+  const Point<World> end = hasSurface ? accel::offsetPoint(light.point, light.normal, -light.direction) : light.point;
+  const Vector<World> way = end - ray.origin;
+  ray.tMax = length(way);
+  ray.direction = normalize(way);
+  return ray;
+}
+
+}  // namespace
+
+volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time,
+                                        const volume::Medium* boundaryMedium) {
+  const LightSet& lights = path.scene().lights;
+  LightUniforms uniforms;
+  uniforms.place = path.random().next2D();
+  uniforms.choice = path.random().next1D();
+  const auto choice = lights.choose(uniforms.choice);
+  if (!choice) co_return Color();
+  // The number that chose the light is used up; which part of it comes from a number of its own.
+  uniforms.choice = path.random().nextHash();
+  const std::optional<LightSample> light = lights[choice->index].sample(vertex.position(), uniforms);
+  if (!light || isBlack(light->value)) co_return Color();
+
+  const Color scattered = vertex.evaluate(light->direction) * light->value;
+  if (isBlack(scattered)) co_return Color();
+  const float pdf = light->pdf * choice->probability;
+  const float weight = light->isDelta ? 1.0f : balance(pdf, vertex.pdf(light->direction));
+  const Color transmittance = co_await estimateTransmittance(path, shadowRay(vertex, *light, time), boundaryMedium);
+  co_return scattered* transmittance*(weight / pdf);
+}
+
+Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record) {
+  Color sum;
+  for (const std::uint32_t index : scene.lights.infinite()) {
+    const Color radiance = scene.lights[index].escaped(direction);
+    if (isBlack(radiance)) continue;
+    const float weight =
+        record.isDelta ? 1.0f : balance(record.pdf, scene.lights.pdfEscaped(index, record.from, direction));
+    sum += radiance * weight;
+  }
+  return sum;
+}
+
+Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::SurfaceHit& hit, Vector<World> direction,
+               const DirectionRecord& record) {
+  const LightHit at{hit.point, hit.geometricNormal, direction};
+  const Color radiance = scene.lights[light].emitted(at);
+  if (isBlack(radiance)) return Color();
+  return radiance * (record.isDelta ? 1.0f : balance(record.pdf, scene.lights.pdf(light, record.from, at)));
+}
+
+}  // namespace aerosol::render

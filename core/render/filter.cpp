@@ -1,0 +1,98 @@
+#include "core/render/filter.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+// Ernst, Stamminger, Greiner, "Filter Importance Sampling" (2006): with samples drawn in proportion to |f| and carrying
+// the sign of f, the pixel is E[sign L] ∫|f|/∫f. Nothing is shared between pixels, so a pixel's value depends on its
+// own samples alone.
+
+namespace aerosol::render {
+
+namespace {
+
+constexpr int gaussianCells = 2048;
+
+}  // namespace
+
+Filter::Filter(const scene::ReconstructionFilter& filter) {
+  const double r = static_cast<double>(filter.radius);
+  switch (filter.type) {
+    case scene::FilterType::box:
+      build({{-r, 1}, {r, 1}});
+      return;
+    case scene::FilterType::tent:
+      build({{-r, 0}, {0, 1}, {r, 0}});
+      return;
+    case scene::FilterType::gaussian: {
+      const double scale = -0.5 / (static_cast<double>(filter.stddev) * static_cast<double>(filter.stddev));
+      const double edge = std::exp(scale * r * r);
+      const auto f = [=](double x) { return std::max(0.0, std::exp(scale * x * x) - edge); };
+      *this = Filter(f, r, gaussianCells);
+      return;
+    }
+  }
+}
+
+Filter::Filter(const std::function<double(double)>& f, double radius, int cells) {
+  assert(radius > 0 && cells > 0);
+  std::vector<std::array<double, 2>> points;
+  for (int i = 0; i <= cells; ++i) {
+    const double x = radius * (2.0 * i / cells - 1);
+    const double value = f(x);
+    if (!points.empty() && points.back()[1] * value < 0) {
+      const auto& [x0, f0] = points.back();
+      points.push_back({x0 + (x - x0) * f0 / (f0 - value), 0});
+    }
+    points.push_back({x, value});
+  }
+  build(points);
+}
+
+void Filter::build(const std::vector<std::array<double, 2>>& points) {
+  double absolute = 0;
+  integral_ = 0;
+  knots_.clear();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i > 0) {
+      const double piece = 0.5 * (points[i][1] + points[i - 1][1]) * (points[i][0] - points[i - 1][0]);
+      integral_ += piece;
+      absolute += std::fabs(piece);
+    }
+    knots_.push_back({points[i][0], points[i][1], absolute});
+  }
+  assert(integral_ > 0);
+  for (Knot& knot : knots_) knot.cumulative /= absolute;
+  weight_ = absolute == integral_ ? 1 : absolute / integral_;
+}
+
+Filter::Offset Filter::sampleAxis(double u) const {
+  const auto above = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
+                                      [](double value, const Knot& knot) { return value < knot.cumulative; });
+  const Knot &a = *(above - 1), &b = *above;
+  const double mass = b.cumulative - a.cumulative;
+  const double v = mass > 0 ? std::clamp((u - a.cumulative) / mass, 0.0, 1.0) : 0.5;
+  const double fa = std::fabs(a.f), fb = std::fabs(b.f);
+  const double root = fa + std::sqrt(fa * fa + (fb - fa) * (fb + fa) * v);
+  const double t = root > 0 ? std::min(1.0, v * (fa + fb) / root) : v;
+  return {a.x + (b.x - a.x) * t, a.f + b.f < 0};
+}
+
+FilterSample Filter::sample(std::array<float, 2> u) const {
+  const Offset x = sampleAxis(static_cast<double>(u[0])), y = sampleAxis(static_cast<double>(u[1]));
+  const double weight = weight_ * weight_;
+  return {static_cast<float>(x.x), static_cast<float>(y.x),
+          static_cast<float>(x.negative != y.negative ? -weight : weight)};
+}
+
+double Filter::evaluate(double x) const {
+  if (!(x >= knots_.front().x && x <= knots_.back().x)) return 0;
+  const auto above = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, x,
+                                      [](double value, const Knot& knot) { return value < knot.x; });
+  const Knot &a = *(above - 1), &b = *above;
+  const double t = b.x > a.x ? (x - a.x) / (b.x - a.x) : 0;
+  return (a.f + (b.f - a.f) * t) / integral_;
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,185 @@
+#include "core/render/kernel_queue.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/render/message_log.h"
+#include "core/render/prepared_scene.h"
+
+namespace aerosol::render {
+
+namespace {
+
+constexpr std::size_t floatOffset(std::size_t bytes) { return bytes / sizeof(float); }
+
+/// Where a kernel's output component goes within volume::Coefficients, as a float index.
+std::size_t coefficientOffset(const jit::OutputComponent& output) {
+  using volume::Coefficients;
+  using volume::Lobe;
+  const std::size_t lobe = offsetof(Coefficients, lobes) + output.index * sizeof(Lobe);
+  std::size_t bytes = 0;
+  switch (output.kind) {
+    case lang::OutputKind::sigmaT:
+      bytes = offsetof(Coefficients, sigmaT);
+      break;
+    case lang::OutputKind::sigmaS:
+      bytes = offsetof(Coefficients, sigmaS);
+      break;
+    case lang::OutputKind::emission:
+      bytes = offsetof(Coefficients, emission);
+      break;
+    case lang::OutputKind::lobeSigmaS:
+      bytes = lobe + offsetof(Lobe, sigmaS);
+      break;
+    default:
+      bytes = lobe + offsetof(Lobe, anisotropy);
+      break;
+  }
+  return floatOffset(bytes) + output.component;
+}
+
+bool isSound(Color c) { return isFinite(c) && minimum(c) >= 0; }
+
+}  // namespace
+
+KernelQueues::KernelQueues(const PreparedScene& scene, WorkerStatistics& statistics, int batchSize)
+    : scene_(scene), statistics_(statistics), host_(scene.namedSpaces, scene.loopBudget), batch_(batchSize) {
+  const auto& families = scene.shading.families();
+  queues_.resize(families.size() * shading::variantCount);
+  for (std::size_t i = 0; i < queues_.size(); ++i) {
+    queues_[i].family = static_cast<std::uint32_t>(i / shading::variantCount);
+    queues_[i].variant = static_cast<shading::Variant>(i % shading::variantCount);
+    if (families[queues_[i].family].kernels[i % shading::variantCount]) prepareLayout(queues_[i]);
+  }
+}
+
+void KernelQueues::prepareLayout(Queue& queue) const {
+  const shading::Family& family = scene_.shading.families()[queue.family];
+  const auto& outputs = family.kernel(queue.variant).interface().outputs;
+  if (queue.variant == shading::Variant::surface) {
+    // A site's parameters lie one after the other; where each begins follows from the sizes of those before.
+    queue.sites = static_cast<std::uint32_t>(family.program->closureSites.size());
+    std::vector<std::size_t> used(queue.sites, 0);
+    for (const jit::OutputComponent& output : outputs) {
+      const std::size_t site = output.index * floatOffset(sizeof(SurfaceAnswer::Site));
+      if (output.kind == lang::OutputKind::siteWeight) {
+        queue.destinations.push_back(site + output.component);
+      } else {
+        queue.destinations.push_back(site + floatOffset(offsetof(SurfaceAnswer::Site, parameters)) +
+                                     used[output.index]++);
+      }
+    }
+    return;
+  }
+  for (const jit::OutputComponent& output : outputs) {
+    queue.destinations.push_back(coefficientOffset(output));
+    if (output.kind == lang::OutputKind::lobeAnisotropy) queue.lobes = std::max(queue.lobes, output.index + 1);
+  }
+  queue.copiesSigmaS = queue.lobes == 1;
+}
+
+shading::InstanceRef KernelQueues::instanceOf(const Question& question) const {
+  return question.medium ? scene_.mediumShaders[question.medium->index] : question.surface;
+}
+
+void KernelQueues::push(const Question& question, PendingQuestion from) {
+  const shading::Variant variant = !question.medium                                    ? shading::Variant::surface
+                                   : question.quantity == volume::Quantity::extinction ? shading::Variant::extinction
+                                                                                       : shading::Variant::coefficients;
+  queues_[instanceOf(question).family * shading::variantCount + static_cast<std::size_t>(variant)].questions.push_back(
+      from);
+  ++waiting_;
+}
+
+void KernelQueues::gather(const Queue& queue, std::span<PathContext* const> paths) {
+  batch_.begin(scene_.shading.families()[queue.family], queue.variant);
+  shading::ShadingPoint point;
+  for (std::size_t lane = 0; lane < running_.size(); ++lane) {
+    const PathContext& path = *paths[running_[lane].slot];
+    const Question& question = path.questions()[running_[lane].question];
+    const shading::ShadingPoint* source = question.surfacePoint;
+    if (question.medium) {
+      point.set(lang::Global::P, question.point);
+      point.set(lang::Global::I, path.direction());
+      point.set(lang::Global::time, path.time());
+      source = &point;
+    }
+    batch_.set(static_cast<int>(lane), *source, instanceOf(question).index);
+  }
+}
+
+/// NaN, infinite and negative results become zero: counted, and reported once a shader with the point that gave them.
+void KernelQueues::checkCoefficients(volume::Coefficients& answer, const Question& question, PathContext& path) {
+  if (isSound(answer.sigmaT) && isSound(answer.sigmaS) && isFinite(answer.emission)) [[likely]]
+    return;
+  ++statistics_.invalidCoefficients;
+  scene_.messages->reportInvalid(*question.medium, question.point, answer, path.id());
+  const auto mend = [](Color& c, bool mayBeNegative) {
+    for (int i = 0; i < 3; ++i) {
+      if (!std::isfinite(c[i]) || (c[i] < 0 && !mayBeNegative)) c[i] = 0;
+    }
+  };
+  mend(answer.sigmaT, false);
+  mend(answer.sigmaS, false);
+  mend(answer.emission, true);
+  for (volume::Lobe& lobe : answer.lobes) {
+    mend(lobe.sigmaS, false);
+    if (!std::isfinite(lobe.anisotropy)) lobe.anisotropy = 0;
+  }
+}
+
+void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths) {
+  for (std::size_t lane = 0; lane < running_.size(); ++lane) {
+    PathContext& path = *paths[running_[lane].slot];
+    volume::Coefficients& answer = path.answer(running_[lane].question);
+    answer = {};
+    auto* floats = reinterpret_cast<float*>(&answer);
+    for (std::size_t k = 0; k < queue.destinations.size(); ++k) floats[queue.destinations[k]] = batch_.output(k)[lane];
+    answer.lobeCount = queue.lobes;
+    if (queue.copiesSigmaS) answer.lobes[0].sigmaS = answer.sigmaS;
+    checkCoefficients(answer, path.questions()[running_[lane].question], path);
+  }
+}
+
+void KernelQueues::scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths) {
+  for (std::size_t lane = 0; lane < running_.size(); ++lane) {
+    SurfaceAnswer& answer = paths[running_[lane].slot]->surfaceAnswer();
+    auto* floats = reinterpret_cast<float*>(answer.sites.data());
+    for (std::size_t k = 0; k < queue.destinations.size(); ++k) floats[queue.destinations[k]] = batch_.output(k)[lane];
+    answer.siteCount = queue.sites;
+  }
+}
+
+void KernelQueues::count(int points, int width) {
+  ++statistics_.kernelCalls;
+  statistics_.kernelPoints += static_cast<std::uint64_t>(points);
+  statistics_.kernelLanes += static_cast<std::uint64_t>((points + width - 1) / width * width);
+  statistics_.countedLanesRun = host_.counters().lanesRun;
+  statistics_.countedLanesUsed = host_.counters().lanesUsed;
+}
+
+std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext* const> paths) {
+  Queue& queue = *std::max_element(queues_.begin(), queues_.end(), [](const Queue& a, const Queue& b) {
+    return a.questions.size() < b.questions.size();
+  });
+  const auto take =
+      static_cast<std::ptrdiff_t>(std::min(queue.questions.size(), static_cast<std::size_t>(batch_.capacity())));
+  // The latest questions are taken: their paths are still in the cache.
+  running_.assign(queue.questions.end() - take, queue.questions.end());
+  queue.questions.erase(queue.questions.end() - take, queue.questions.end());
+  waiting_ -= running_.size();
+
+  gather(queue, paths);
+  batch_.run(host_, static_cast<int>(running_.size()));
+  count(static_cast<int>(running_.size()), batch_.interface().width);
+  if (!host_.records().empty()) scene_.messages->collect(host_, batch_, running_, paths);
+  if (queue.variant == shading::Variant::surface) {
+    scatterSurfaces(queue, paths);
+  } else {
+    scatterCoefficients(queue, paths);
+  }
+  return running_;
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,62 @@
+// Requests of the paths in flight, gathered by kernel and answered in full batches.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/render/path_context.h"
+#include "core/shading/batch.h"
+
+namespace aerosol::render {
+
+class MessageLog;
+
+/// Where a question came from.
+struct PendingQuestion {
+  std::uint32_t slot = 0;
+  std::uint32_t question = 0;
+};
+
+/// One thread's queues, one a kernel.
+class KernelQueues {
+ public:
+  KernelQueues(const PreparedScene& scene, WorkerStatistics& statistics, int batchSize);
+
+  void push(const Question& question, PendingQuestion from);
+  bool empty() const { return waiting_ == 0; }
+
+  /// Runs the kernel with the most questions on at most a batch of them and writes the answers into the paths.
+  /// `paths[slot]` is the path of a slot. Returns the questions answered, valid until the next call.
+  std::span<const PendingQuestion> runFullest(std::span<PathContext* const> paths);
+
+  shading::KernelHost& host() { return host_; }
+
+ private:
+  struct Queue {
+    std::uint32_t family = 0;
+    shading::Variant variant{};
+    std::vector<PendingQuestion> questions;
+    std::vector<std::size_t> destinations;  ///< Float of the answer that each output goes to.
+    bool copiesSigmaS = false;              ///< One lobe: its σs is the sum.
+    std::uint32_t lobes = 0;
+    std::uint32_t sites = 0;
+  };
+
+  shading::InstanceRef instanceOf(const Question& question) const;
+  void prepareLayout(Queue& queue) const;
+  void gather(const Queue& queue, std::span<PathContext* const> paths);
+  void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);
+  void scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths);
+  void checkCoefficients(volume::Coefficients& answer, const Question& question, PathContext& path);
+  void count(int points, int width);
+
+  const PreparedScene& scene_;
+  WorkerStatistics& statistics_;
+  shading::KernelHost host_;
+  shading::Batch batch_;
+  std::vector<Queue> queues_;  ///< family · variantCount + variant
+  std::vector<PendingQuestion> running_;
+  std::size_t waiting_ = 0;
+};
+
+}  // namespace aerosol::render

@@ -1,0 +1,63 @@
+// What a light is to the integrator.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "core/base/color.h"
+#include "core/base/geometry.h"
+
+namespace aerosol::render {
+
+/// Random numbers for one light sample, each in [0, 1).
+struct LightUniforms {
+  float choice = 0;  ///< Which part of the light.
+  std::array<float, 2> place{};
+};
+
+/// Light that can arrive at a point, before anything in between. Its estimate is value / pdf.
+struct LightSample {
+  Vector<World> direction;  ///< Unit, from the point to the light.
+  float distance = std::numeric_limits<float>::infinity();
+  Color value;           ///< Radiance; of a delta light the irradiance on a plane that faces it.
+  float pdf = 0;         ///< Per steradian; 1 for a delta light.
+  bool isDelta = false;  ///< No other technique can find this direction.
+  Point<World> point;    ///< On the light, where `distance` is finite.
+  Normal<World> normal;  ///< Geometric, unit, towards the emitting side; zero where the light has no surface.
+};
+
+/// A point of a light's surface that a ray met.
+struct LightHit {
+  Point<World> point;
+  Normal<World> normal;     ///< Geometric, unit, as accel::SurfaceHit has it: towards the emitting side.
+  Vector<World> direction;  ///< Unit, of the ray that arrived.
+};
+
+/// A light. Const after preparation; directions are unit vectors in world space.
+class Light {
+ public:
+  virtual ~Light() = default;
+
+  /// Light arriving at `from`; none where it cannot come from the sampled part.
+  virtual std::optional<LightSample> sample(Point<World> from, const LightUniforms& u) const = 0;
+
+  /// Per steradian, with which `sample(from)` finds a hit of this light. 0 for lights without a surface.
+  virtual float pdf(Point<World> from, const LightHit& hit) const;
+  /// Radiance from a hit back along the ray.
+  virtual Color emitted(const LightHit& hit) const;
+
+  /// Per steradian, with which `sample(from)` finds a direction that leaves the scene.
+  virtual float pdfEscaped(Point<World> from, Vector<World> direction) const;
+  /// Radiance that a ray sees which leaves the scene.
+  virtual Color escaped(Vector<World> direction) const;
+
+  /// Emitted power in watts (per scene unit², where lengths are scene units). `sceneRadius` bounds the scene for lights
+  /// at infinity.
+  virtual Color power(float sceneRadius) const = 0;
+  virtual bool isDelta() const = 0;
+  /// Arrives from beyond the scene.
+  virtual bool isInfinite() const = 0;
+};
+
+}  // namespace aerosol::render

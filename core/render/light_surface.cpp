@@ -1,0 +1,273 @@
+#include "core/render/light_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/render/warp.h"
+
+namespace aerosol::render {
+
+namespace {
+
+/// A bare triple of doubles; used in this file only.
+struct Vec {
+  double x = 0, y = 0, z = 0;
+
+  friend Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vec operator*(Vec a, double s) { return {a.x * s, a.y * s, a.z * s}; }
+};
+
+double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double length(Vec a) { return std::sqrt(dot(a, a)); }
+Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+
+template <class T>
+Vec toDouble(const T& v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+template <class T>
+T toFloat(Vec v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+Vec column(const Matrix4& m, std::size_t i) { return {m[0][i], m[1][i], m[2][i]}; }
+
+/// A density per area as one per solid angle: d² / |cos| times it. 0 at the back or at the point itself.
+double toSolidAngle(double pdfArea, Vec from, Vec point, Vec normal) {
+  const Vec d = point - from;
+  const double squared = dot(d, d);
+  const double facing = -dot(d, normal);
+  if (!(facing > 0)) return 0;
+  return pdfArea * squared * std::sqrt(squared) / facing;
+}
+
+/// The sample for a point that was chosen with `pdfArea`; none at the back.
+std::optional<SurfaceSample> seen(Point<World> from, Vec point, Vec normal, double pdfArea) {
+  const Vec origin = toDouble(from);
+  const double pdf = toSolidAngle(pdfArea, origin, point, normal);
+  if (!(pdf > 0)) return {};
+  const Vec d = point - origin;
+  const double distance = length(d);
+  return SurfaceSample{toFloat<Point<World>>(point), toFloat<Normal<World>>(normal),
+                       toFloat<Vector<World>>(d * (1 / distance)), static_cast<float>(distance),
+                       static_cast<float>(pdf)};
+}
+
+class MeshLight final : public LightSurface {
+ public:
+  explicit MeshLight(const accel::TriangleMesh& mesh) : mesh_(&mesh) {
+    cumulative_.reserve(mesh.triangles.size());
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      area_ += 0.5 * length(doubleAreaNormal(i));
+      cumulative_.push_back(area_);
+    }
+  }
+
+  std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
+    const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), static_cast<double>(u.choice) * area_);
+    const auto i = static_cast<std::size_t>(std::min(found, cumulative_.end() - 1) - cumulative_.begin());
+    const Vec n = doubleAreaNormal(i);
+    const double size = length(n);
+    if (!(size > 0)) return {};
+    const std::array<double, 2> w = toTriangle(u.place);
+    const Vec a = corner(i, 0), b = corner(i, 1), c = corner(i, 2);
+    return seen(from, a * w[0] + b * w[1] + c * (1 - w[0] - w[1]), n * (1 / size), 1 / area_);
+  }
+
+  float pdf(Point<World> from, const LightHit& hit) const override {
+    return static_cast<float>(toSolidAngle(1 / area_, toDouble(from), toDouble(hit.point), toDouble(hit.normal)));
+  }
+
+  double area() const override { return area_; }
+
+ private:
+  Vec corner(std::size_t triangle, std::size_t i) const {
+    return toDouble(mesh_->positions[mesh_->triangles[triangle][i]]);
+  }
+  Vec doubleAreaNormal(std::size_t i) const { return cross(corner(i, 1) - corner(i, 0), corner(i, 2) - corner(i, 0)); }
+
+  const accel::TriangleMesh* mesh_;
+  std::vector<double> cumulative_;
+  double area_ = 0;
+};
+
+/// A flat shape in the xy plane under an affine map: uniform there is uniform on its image.
+class FlatLight : public LightSurface {
+ public:
+  FlatLight(const Transform<World, Object>& toWorld, bool flipNormals, double objectArea)
+      : x_(column(toWorld.matrix(), 0)), y_(column(toWorld.matrix(), 1)), centre_(column(toWorld.matrix(), 3)) {
+    // The outward normal is the image of +z as a normal: under a mirroring map it is not x × y.
+    const Vec n = cross(x_, y_);
+    const double size = length(n);
+    const bool isMirrored = dot(n, column(toWorld.matrix(), 2)) < 0;
+    area_ = objectArea * size;
+    if (size > 0) normal_ = n * ((isMirrored != flipNormals ? -1 : 1) / size);
+  }
+
+  float pdf(Point<World> from, const LightHit& hit) const override {
+    return static_cast<float>(toSolidAngle(1 / area_, toDouble(from), toDouble(hit.point), toDouble(hit.normal)));
+  }
+
+  double area() const override { return area_; }
+
+ protected:
+  std::optional<SurfaceSample> sampleAt(Point<World> from, double x, double y) const {
+    return seen(from, centre_ + x_ * x + y_ * y, normal_, 1 / area_);
+  }
+
+ private:
+  Vec x_, y_, centre_, normal_;
+  double area_ = 0;
+};
+
+class RectangleLight final : public FlatLight {
+ public:
+  RectangleLight(const Transform<World, Object>& toWorld, bool flipNormals) : FlatLight(toWorld, flipNormals, 4) {}
+
+  std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
+    return sampleAt(from, 2 * static_cast<double>(u.place[0]) - 1, 2 * static_cast<double>(u.place[1]) - 1);
+  }
+};
+
+class DiskLight final : public FlatLight {
+ public:
+  DiskLight(const Transform<World, Object>& toWorld, bool flipNormals)
+      : FlatLight(toWorld, flipNormals, std::numbers::pi) {}
+
+  std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
+    const std::array<double, 2> d = toConcentricDisk(u.place);
+    return sampleAt(from, d[0], d[1]);
+  }
+};
+
+class SphereLight final : public LightSurface {
+ public:
+  SphereLight(const Transform<World, Object>& toWorld, bool flipNormals)
+      : matrix_(toWorld.matrix()), inverse_(toWorld.inverseMatrix()), flipped_(flipNormals) {
+    const Vec x = column(matrix_, 0), y = column(matrix_, 1), z = column(matrix_, 2);
+    centre_ = column(matrix_, 3);
+    determinant_ = std::fabs(dot(x, cross(y, z)));
+    radius_ = length(x);
+    const double tolerance = 1e-5 * radius_ * radius_;
+    const auto differs = [&](double v) { return std::fabs(v) > tolerance; };
+    isRound_ = !differs(dot(x, y)) && !differs(dot(y, z)) && !differs(dot(z, x)) &&
+               !differs(dot(y, y) - radius_ * radius_) && !differs(dot(z, z) - radius_ * radius_);
+    area_ = isRound_ ? 4 * std::numbers::pi * radius_ * radius_ : ellipsoidArea();
+  }
+
+  std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
+    if (const std::optional<Cone> cone = coneFrom(from)) return sampleCone(*cone, u.place);
+    const std::array<double, 3> s = toSphere(u.place);
+    const Vec p{s[0], s[1], s[2]};
+    const Vec n = normalFactor(p);
+    const double stretch = length(n);
+    return seen(from, column(matrix_, 0) * p.x + column(matrix_, 1) * p.y + column(matrix_, 2) * p.z + centre_,
+                n * ((flipped_ ? -1 : 1) / stretch), pdfArea(stretch));
+  }
+
+  float pdf(Point<World> from, const LightHit& hit) const override {
+    const Vec origin = toDouble(from), point = toDouble(hit.point), normal = toDouble(hit.normal);
+    if (const std::optional<Cone> cone = coneFrom(from)) {
+      return dot(point - origin, normal) < 0 ? static_cast<float>(cone->pdf) : 0.0f;
+    }
+    const Vec d = point - centre_;
+    const auto row = [&](std::size_t i) { return inverse_[i][0] * d.x + inverse_[i][1] * d.y + inverse_[i][2] * d.z; };
+    const Vec onUnit{row(0), row(1), row(2)};
+    const double stretch = length(normalFactor(onUnit)) / length(onUnit);
+    return static_cast<float>(toSolidAngle(pdfArea(stretch), origin, point, normal));
+  }
+
+  double area() const override { return area_; }
+
+ private:
+  /// The directions from a point to the sphere.
+  struct Cone {
+    Vec axis;  ///< Unit.
+    double distance = 0;
+    double oneMinusCosine = 0;  ///< Of half its angle.
+    double pdf = 0;
+  };
+
+  /// The cone from a point outside a round sphere that emits outwards. 1 - cos is taken from the sine, without which
+  /// a small or distant light would be lost in rounding.
+  std::optional<Cone> coneFrom(Point<World> from) const {
+    if (!isRound_ || flipped_) return {};
+    const Vec d = centre_ - toDouble(from);
+    const double squared = dot(d, d);
+    if (!(squared > radius_ * radius_)) return {};
+    const double distance = std::sqrt(squared);
+    const double sine2 = radius_ * radius_ / squared;
+    const double oneMinusCosine = sine2 / (1 + std::sqrt(1 - sine2));
+    return Cone{d * (1 / distance), distance, oneMinusCosine, 1 / (2 * std::numbers::pi * oneMinusCosine)};
+  }
+
+  std::optional<SurfaceSample> sampleCone(const Cone& cone, std::array<float, 2> u) const {
+    const double c = static_cast<double>(u[0]) * cone.oneMinusCosine;
+    const double sine2 = c * (2 - c), phi = 2 * std::numbers::pi * static_cast<double>(u[1]);
+    const double sine = std::sqrt(sine2);
+    const double reach =
+        cone.distance * (1 - c) - std::sqrt(std::max(0.0, radius_ * radius_ - cone.distance * cone.distance * sine2));
+    const Vec helper = std::fabs(cone.axis.x) > 0.5 ? Vec{0, 1, 0} : Vec{1, 0, 0};
+    const Vec side = cross(helper, cone.axis);
+    const Vec x = side * (1 / length(side)), y = cross(cone.axis, x);
+    const Vec direction = cone.axis * (1 - c) + x * (sine * std::cos(phi)) + y * (sine * std::sin(phi));
+    const Vec outward = direction * reach - cone.axis * cone.distance;
+    const Vec normal = outward * (1 / length(outward));
+    return SurfaceSample{toFloat<Point<World>>(centre_ + normal * radius_), toFloat<Normal<World>>(normal),
+                         toFloat<Vector<World>>(direction * (1 / length(direction))), static_cast<float>(reach),
+                         static_cast<float>(cone.pdf)};
+  }
+
+  /// The unit sphere's normal at p, mapped: its direction is the outward normal, its length the ratio in which area
+  /// grows divided by |det|.
+  Vec normalFactor(Vec p) const {
+    const auto component = [&](std::size_t i) {
+      return inverse_[0][i] * p.x + inverse_[1][i] * p.y + inverse_[2][i] * p.z;
+    };
+    return {component(0), component(1), component(2)};
+  }
+  double pdfArea(double stretch) const { return 1 / (4 * std::numbers::pi * determinant_ * stretch); }
+
+  /// By the midpoint rule over equal areas of the unit sphere; smooth, so 64 × 64 points give 1e-5 for axes of 1 : 10.
+  double ellipsoidArea() const {
+    constexpr int n = 64;
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) {
+        const double z = 2 * (i + 0.5) / n - 1, r = std::sqrt(1 - z * z), phi = 2 * std::numbers::pi * (j + 0.5) / n;
+        sum += length(normalFactor({r * std::cos(phi), r * std::sin(phi), z}));
+      }
+    }
+    return 4 * std::numbers::pi * determinant_ * sum / (n * n);
+  }
+
+  Matrix4 matrix_, inverse_;
+  Vec centre_;
+  double radius_ = 0, determinant_ = 0, area_ = 0;
+  bool flipped_ = false, isRound_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<const LightSurface> makeMeshLight(const accel::TriangleMesh& mesh) {
+  auto light = std::make_unique<MeshLight>(mesh);
+  if (!(light->area() > 0)) return nullptr;
+  return light;
+}
+
+std::unique_ptr<const LightSurface> makeRectangleLight(const Transform<World, Object>& toWorld, bool flipNormals) {
+  return std::make_unique<RectangleLight>(toWorld, flipNormals);
+}
+
+std::unique_ptr<const LightSurface> makeDiskLight(const Transform<World, Object>& toWorld, bool flipNormals) {
+  return std::make_unique<DiskLight>(toWorld, flipNormals);
+}
+
+std::unique_ptr<const LightSurface> makeSphereLight(const Transform<World, Object>& toWorld, bool flipNormals) {
+  return std::make_unique<SphereLight>(toWorld, flipNormals);
+}
+
+}  // namespace aerosol::render

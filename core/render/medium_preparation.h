@@ -1,0 +1,27 @@
+// What preparation decides about a medium: whether it is constant, its bound, its method, its step.
+#pragma once
+
+#include <optional>
+
+#include "core/render/prepared_scene.h"
+#include "core/scene/description.h"
+
+namespace aerosol::render {
+
+/// The coefficients of a medium whose compiled shader reads nothing that varies; nothing otherwise. Results that are
+/// not sound (NaN, infinite, negative) make it count as varying, so that they are reported where they occur.
+std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& scene, shading::InstanceRef shader);
+
+/// Weights of a surface shader's closures, when they do not vary.
+std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shading::InstanceRef shader);
+
+/// The bound that a shader declares: metadata `string extinction_bound = "density"` names a float or colour parameter
+/// whose value extinction never exceeds.
+std::optional<float> declaredBound(const shading::Family& family, const shading::Instance& instance);
+
+/// Fills in method, bound and step of a medium. `extent` is the size of its place, for the default step (a hundredth).
+/// An error when null scattering is asked for without a bound.
+Diagnostics decideSampling(const PreparedScene& scene, volume::Medium& medium, const scene::MediumSampling& sampling,
+                           const scene::Integrator& integrator, float extent);
+
+}  // namespace aerosol::render

@@ -1,0 +1,123 @@
+#include "core/render/medium_walk.h"
+
+#include <algorithm>
+
+#include "core/render/prepared_scene.h"
+#include "core/volume/trackers/homogeneous.h"
+#include "core/volume/trackers/null_scattering.h"
+#include "core/volume/trackers/ray_marching.h"
+
+namespace aerosol::render {
+
+using volume::DistanceEvent;
+using volume::DistanceMethod;
+using volume::DistanceSample;
+using volume::Medium;
+using volume::MediumSpan;
+using volume::Segment;
+using volume::Task;
+
+void findSegments(PathContext& path, float t0, float t1, const Medium* boundaryMedium) {
+  path.mediumSpans.clear();
+  if (boundaryMedium) path.mediumSpans.push_back({t0, t1, boundaryMedium});
+  for (const accel::Span& span : path.spans) {
+    path.mediumSpans.push_back(
+        {static_cast<float>(span.t0), static_cast<float>(span.t1), path.scene().volumes[span.volume]});
+  }
+  path.segments.assign(path.mediumSpans);
+}
+
+namespace {
+
+/// Null scattering serves a segment when every medium has a bound; one marching medium makes the whole segment march.
+DistanceMethod methodOf(const Segment& segment) {
+  DistanceMethod method = DistanceMethod::closedForm;
+  for (const Medium* medium : segment.media) {
+    if (medium->method == DistanceMethod::marching) return DistanceMethod::marching;
+    if (medium->method == DistanceMethod::nullScattering) method = DistanceMethod::nullScattering;
+  }
+  return method;
+}
+
+float stepSizeOf(const Segment& segment) {
+  float step = std::numeric_limits<float>::infinity();
+  for (const Medium* medium : segment.media) step = std::min(step, medium->stepSize);
+  return step;
+}
+
+}  // namespace
+
+Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput) {
+  DistanceSample whole;
+  HashSource random(path.random());
+  for (std::size_t i = 0; i < path.segments.segments().size(); ++i) {
+    const Segment segment = path.segments.segments()[i];
+    DistanceSample part;
+    switch (methodOf(segment)) {
+      case DistanceMethod::closedForm:
+        part = volume::sampleHomogeneous(segment, throughput, random);
+        break;
+      case DistanceMethod::marching:
+        part = co_await volume::sampleByMarching(path, ray, segment, stepSizeOf(segment), throughput, random);
+        break;
+      case DistanceMethod::nullScattering:
+        part = co_await volume::sampleByNullScattering(path, ray, segment, throughput, random);
+        break;
+    }
+    part.emission = whole.emission + whole.weight * part.emission;
+    part.weight *= whole.weight;
+    part.logPdf += whole.logPdf;
+    if (whole.pdfKind == volume::PdfKind::joint) part.pdfKind = volume::PdfKind::joint;
+    whole = part;
+    if (whole.event != DistanceEvent::passed) break;
+  }
+  co_return whole;
+}
+
+namespace {
+
+Task<Color> mediumTransmittance(PathContext& path, Ray<World> ray, MediumSpan span) {
+  HashSource random(path.random());
+  switch (span.medium->method) {
+    case DistanceMethod::marching:
+      co_return co_await volume::marchedTransmittance(path, ray, span, span.medium->stepSize, random);
+    case DistanceMethod::nullScattering:
+      co_return co_await volume::ratioTracking(path, ray, span, random);
+    case DistanceMethod::closedForm:
+      break;
+  }
+  co_return exp(span.medium->constant->sigmaT * (span.t0 - span.t1));
+}
+
+/// Spans of all media between the ray's ends, surface-defined ones included.
+void collectSpans(PathContext& path, const Ray<World>& ray, const Medium* boundaryMedium) {
+  path.mediumSpans.clear();
+  float begin = ray.tMin;
+  for (const accel::Interface& interface : path.interfaces) {
+    const auto t = static_cast<float>(interface.key.t);
+    if (boundaryMedium && begin < t) path.mediumSpans.push_back({begin, t, boundaryMedium});
+    const PreparedObject& object = path.scene().objects[interface.key.object];
+    boundaryMedium = interface.entering ? object.interior : object.exterior;
+    begin = t;
+  }
+  if (boundaryMedium && begin < ray.tMax) path.mediumSpans.push_back({begin, ray.tMax, boundaryMedium});
+  for (const accel::Span& span : path.spans) {
+    path.mediumSpans.push_back(
+        {static_cast<float>(span.t0), static_cast<float>(span.t1), path.scene().volumes[span.volume]});
+  }
+}
+
+}  // namespace
+
+Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Medium* boundaryMedium) {
+  Color transmittance(1.0f);
+  if (path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel)) co_return Color();
+  collectSpans(path, ray, boundaryMedium);
+  path.setRay(ray);
+  for (std::size_t i = 0; i < path.mediumSpans.size() && !isBlack(transmittance); ++i) {
+    transmittance *= co_await mediumTransmittance(path, ray, path.mediumSpans[i]);
+  }
+  co_return transmittance;
+}
+
+}  // namespace aerosol::render

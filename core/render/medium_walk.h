@@ -1,0 +1,22 @@
+// Distances and transmittances along whole rays: the media a ray runs through, and each one's tracker.
+#pragma once
+
+#include "core/accel/scene.h"
+#include "core/render/path_context.h"
+#include "core/volume/distance_sample.h"
+#include "core/volume/task.h"
+
+namespace aerosol::render {
+
+/// Splits what `path.spans` and the surface-defined medium around the ray say about [t0, t1] into `path.segments`.
+void findSegments(PathContext& path, float t0, float t1, const volume::Medium* boundaryMedium);
+
+/// Samples a distance through all of `path.segments`. `throughput` steers choices between channels alone.
+/// The result's weights and emission are for the whole way; `passed` means past the last segment.
+volume::Task<volume::DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput);
+
+/// What arrives of the light that enters at the ray's end: the product of all media's transmittances (no sorting, no
+/// splitting), zero behind an opaque surface. Estimated; may be negative where a bound is exceeded.
+volume::Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const volume::Medium* boundaryMedium);
+
+}  // namespace aerosol::render

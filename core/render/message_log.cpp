@@ -1,0 +1,53 @@
+#include "core/render/message_log.h"
+
+namespace aerosol::render {
+
+void MessageLog::collect(shading::KernelHost& host, const shading::Batch& batch, std::span<const PendingQuestion> lanes,
+                         std::span<PathContext* const> paths) {
+  const jit::KernelInterface& interface = batch.interface();
+  const auto text = [&](std::uint64_t hash) {
+    if (const auto known = interface.strings.find(hash); known != interface.strings.end()) return known->second;
+    for (const auto& [key, value] : batch.family().strings) {
+      if (key == hash) return value;
+    }
+    return std::string();
+  };
+  const std::lock_guard lock(mutex_);
+  for (const shading::Record& record : host.records()) {
+    if (record.lane >= lanes.size() || record.site >= interface.sites.size()) continue;
+    PathContext& path = *paths[lanes[record.lane].slot];
+    const jit::MessageSite& site = interface.sites[record.site];
+    Message message{path.id(), path.nextCall(), site.kind, site.location, shading::describe(record, site, text)};
+    messages_.insert(std::move(message));
+    if (messages_.size() > maximum_) {
+      messages_.erase(std::prev(messages_.end()));
+      ++dropped_;
+    }
+  }
+  host.records().clear();
+}
+
+void MessageLog::reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
+                               const PathId& path) {
+  const std::lock_guard lock(mutex_);
+  Invalid& entry = invalid_[medium.index];
+  ++entry.count;
+  if (entry.count == 1 || path < entry.path) entry = {path, point, given, entry.count};
+}
+
+std::vector<Message> MessageLog::sorted() const {
+  const std::lock_guard lock(mutex_);
+  return {messages_.begin(), messages_.end()};
+}
+
+std::uint64_t MessageLog::dropped() const {
+  const std::lock_guard lock(mutex_);
+  return dropped_;
+}
+
+std::map<std::uint32_t, MessageLog::Invalid> MessageLog::invalid() const {
+  const std::lock_guard lock(mutex_);
+  return invalid_;
+}
+
+}  // namespace aerosol::render

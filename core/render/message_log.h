@@ -1,0 +1,67 @@
+// Messages of shaders and reports about them, in the order (pixel, sample, call), whatever thread and batch they came
+// from.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/diagnostic.h"
+#include "core/render/kernel_queue.h"
+#include "core/shading/message.h"
+
+namespace aerosol::render {
+
+/// A shader's message about one point of one path.
+struct Message {
+  PathId path;
+  std::uint32_t call = 0;  ///< Counts the messages of the path.
+  std::uint32_t kind = AEROSOL_MESSAGE_PRINT;
+  SourceLocation location;
+  std::string text;
+};
+
+/// Thread-safe. Keeps the first `maximum` messages in the order above, and the count of the others.
+class MessageLog {
+ public:
+  explicit MessageLog(std::size_t maximum = 10000) : maximum_(maximum) {}
+
+  /// Takes the records of the batch that has just run.
+  void collect(shading::KernelHost& host, const shading::Batch& batch, std::span<const PendingQuestion> lanes,
+               std::span<PathContext* const> paths);
+
+  /// A shader gave NaN, infinite or negative coefficients. Kept once a medium: for the first (pixel, sample).
+  void reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
+                     const PathId& path);
+
+  struct Invalid {
+    PathId path;
+    Point<World> point;
+    volume::Coefficients given;
+    std::uint64_t count = 0;
+  };
+
+  std::vector<Message> sorted() const;
+  std::uint64_t dropped() const;
+  /// By medium index.
+  std::map<std::uint32_t, Invalid> invalid() const;
+
+ private:
+  struct Order {
+    bool operator()(const Message& a, const Message& b) const {
+      return std::tie(a.path, a.call) < std::tie(b.path, b.call);
+    }
+  };
+
+  const std::size_t maximum_;
+  mutable std::mutex mutex_;
+  std::set<Message, Order> messages_;
+  std::uint64_t dropped_ = 0;
+  std::map<std::uint32_t, Invalid> invalid_;
+};
+
+}  // namespace aerosol::render

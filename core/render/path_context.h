@@ -1,0 +1,169 @@
+// What one path works with: its frames, its random numbers, its scratch, and the door to the shaders.
+#pragma once
+
+#include <coroutine>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "core/accel/scene.h"
+#include "core/render/sample_stream.h"
+#include "core/render/statistics.h"
+#include "core/render/surface_answer.h"
+#include "core/shading/shading_point.h"
+#include "core/shading/shading_system.h"
+#include "core/volume/medium.h"
+#include "core/volume/segments.h"
+
+namespace aerosol::render {
+
+struct PreparedScene;
+class PathContext;
+
+/// Who runs the kernels for the paths in flight.
+class QuestionSink {
+ public:
+  virtual ~QuestionSink() = default;
+  /// Takes the questions of a path that has just suspended; resumes it when all are answered. One call a suspension.
+  virtual void post(PathContext& path) = 0;
+};
+
+/// A question about one point. `medium` is set for volumes, otherwise `surface` names the shader instance.
+struct Question {
+  const volume::Medium* medium = nullptr;
+  volume::Quantity quantity = volume::Quantity::coefficients;
+  Point<World> point;
+  shading::InstanceRef surface;
+  const shading::ShadingPoint* surfacePoint = nullptr;  ///< Outlives the suspension.
+};
+
+/// Which sample of which pixel a path is for.
+struct PathId {
+  int x = 0, y = 0;  ///< Pixel of the whole film.
+  std::uint32_t sample = 0;
+
+  /// Orders by (row, column, sample).
+  friend bool operator<(const PathId& a, const PathId& b) {
+    return std::tie(a.y, a.x, a.sample) < std::tie(b.y, b.x, b.sample);
+  }
+  friend bool operator==(const PathId&, const PathId&) = default;
+};
+
+/// One path slot of a worker. Fulfils volume::Evaluator.
+class PathContext {
+ public:
+  PathContext(const PreparedScene& scene, QuestionSink& sink, WorkerStatistics& statistics);
+  PathContext(const PathContext&) = delete;
+  PathContext& operator=(const PathContext&) = delete;
+
+  volume::FrameStack& frames() { return frames_; }
+  const PreparedScene& scene() const { return scene_; }
+  SampleStream& random() { return random_; }
+  WorkerStatistics& statistics() { return statistics_; }
+  volume::TrackerStatistics& trackerStatistics() { return statistics_.trackers; }
+
+  /// Starts a new path.
+  void restart(const PathId& id, const SampleStream& random) {
+    id_ = id;
+    random_ = random;
+    calls_ = 0;
+    questions_.clear();
+    answered_ = true;
+  }
+
+  /// The ray on which the following questions about media lie: shaders see its direction as I, and its time.
+  void setRay(const Ray<World>& ray) {
+    direction_ = ray.direction;
+    time_ = ray.time;
+  }
+  Vector<World> direction() const { return direction_; }
+  float time() const { return time_; }
+
+  void ask(const volume::Medium& medium, Point<World> point, volume::Quantity quantity) {
+    beginQuestions();
+    questions_.push_back({&medium, quantity, point, {}, nullptr});
+  }
+
+  /// Suspends until the questions are answered. Without a question the path goes on at once.
+  auto answers() {
+    struct Awaiter {
+      PathContext& path;
+      bool await_ready() const { return path.questions_.empty() || path.answered_; }
+      void await_suspend(std::coroutine_handle<> waiting) const {
+        path.waiting_ = waiting;
+        path.answers_.resize(path.questions_.size());
+        path.sink_.post(path);
+      }
+      std::span<const volume::Coefficients> await_resume() const {
+        if (path.questions_.empty() || path.answered_) return {};
+        path.answered_ = true;
+        return path.answers_;
+      }
+    };
+    return Awaiter{*this};
+  }
+
+  /// The closures of a surface at a point that stays valid until then.
+  auto shade(shading::InstanceRef surface, const shading::ShadingPoint& point) {
+    struct Awaiter {
+      PathContext& path;
+      bool await_ready() const { return false; }
+      void await_suspend(std::coroutine_handle<> waiting) const {
+        path.waiting_ = waiting;
+        path.sink_.post(path);
+      }
+      const SurfaceAnswer& await_resume() const {
+        path.answered_ = true;
+        return path.surfaceAnswer_;
+      }
+    };
+    beginQuestions();
+    questions_.push_back({nullptr, volume::Quantity::coefficients, {}, surface, &point});
+    return Awaiter{*this};
+  }
+
+  // For the worker:
+  /// Makes room for the answer to a single question that no coroutine asked.
+  void prepareAnswer(const Question& question) {
+    questions_.assign(1, question);
+    answers_.resize(1);
+  }
+  std::span<const Question> questions() const { return questions_; }
+  volume::Coefficients& answer(std::size_t question) { return answers_[question]; }
+  SurfaceAnswer& surfaceAnswer() { return surfaceAnswer_; }
+  const PathId& id() const { return id_; }
+  void resume() { waiting_.resume(); }
+  /// Numbers the messages of a path.
+  std::uint32_t nextCall() { return calls_++; }
+
+  // Scratch, reused from ray to ray.
+  accel::SpanBuffer spans;
+  accel::InterfaceBuffer interfaces;
+  std::vector<volume::MediumSpan> mediumSpans;
+  volume::SegmentList segments;
+
+ private:
+  /// Answers stay readable until the next question.
+  void beginQuestions() {
+    if (answered_) questions_.clear();
+    answered_ = false;
+  }
+
+  const PreparedScene& scene_;
+  QuestionSink& sink_;
+  WorkerStatistics& statistics_;
+  volume::FrameStack frames_;
+  PathId id_;
+  SampleStream random_;
+  Vector<World> direction_;
+  float time_ = 0;
+  std::vector<Question> questions_;
+  std::vector<volume::Coefficients> answers_;
+  SurfaceAnswer surfaceAnswer_;
+  bool answered_ = true;
+  std::uint32_t calls_ = 0;
+  std::coroutine_handle<> waiting_;
+};
+
+}  // namespace aerosol::render

@@ -1,0 +1,226 @@
+#include "core/render/pixel_sum.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace aerosol::render {
+
+void SampleSums::add(const PixelSample& sample) {
+  for (int c = 0; c < 3; ++c) {
+    const double value = static_cast<double>(sample.color[c]);
+    const auto i = static_cast<std::size_t>(c);
+    color[i] += value;
+    squares[i] += value * value;
+  }
+  alpha += static_cast<double>(sample.alpha);
+}
+
+SampleSums operator+(const SampleSums& a, const SampleSums& b) {
+  SampleSums sum;
+  for (std::size_t i = 0; i < 3; ++i) {
+    sum.color[i] = a.color[i] + b.color[i];
+    sum.squares[i] = a.squares[i] + b.squares[i];
+  }
+  sum.alpha = a.alpha + b.alpha;
+  return sum;
+}
+
+PixelSum::Range PixelSum::Node::range() const {
+  const std::uint64_t first = std::uint64_t{block} * blockSize;
+  return {first, first + (isComplete() ? std::uint64_t{blockSize} << level : prefix)};
+}
+
+std::size_t PixelSum::findNode(std::uint32_t block) const {
+  std::size_t i = nodeCount();
+  while (i > 0 && (node(i - 1).block >= block || node(i - 1).covers(block))) --i;
+  return i;
+}
+
+void PixelSum::insertNode(std::size_t at, const Node& inserted) {
+  if (!hasFirst_) {
+    first_ = inserted;
+    hasFirst_ = 1;
+    return;
+  }
+  if (!more_) more_ = std::make_unique<More>();
+  const Node second = at == 0 ? std::exchange(first_, inserted) : inserted;
+  const auto offset = static_cast<std::ptrdiff_t>(at == 0 ? 0 : at - 1);
+  more_->nodes.insert(more_->nodes.begin() + offset, second);
+}
+
+void PixelSum::eraseNode(std::size_t at) {
+  if (nodeCount() == 1) {
+    first_ = {};
+    hasFirst_ = 0;
+    return;
+  }
+  if (at == 0) first_ = more_->nodes.front();
+  more_->nodes.erase(more_->nodes.begin() + static_cast<std::ptrdiff_t>(at == 0 ? 0 : at - 1));
+}
+
+void PixelSum::releaseUnused() {
+  if (more_ && more_->samples.empty()) std::vector<OpenSample>().swap(more_->samples);
+  if (more_ && more_->nodes.empty() && more_->samples.empty()) more_.reset();
+}
+
+bool PixelSum::add(std::uint32_t index, const PixelSample& sample) {
+  if (!place(index, sample)) return false;
+  if (sample.isFinite()) {
+    ++count_;
+  } else {
+    dropped_ = (dropped_ + 1) & 0x7fffffffu;
+  }
+  return true;
+}
+
+bool PixelSum::place(std::uint32_t index, const PixelSample& sample) {
+  const std::uint32_t block = index / blockSize, offset = index % blockSize;
+  const std::size_t at = findNode(block);
+  const bool found = at < nodeCount() && node(at).covers(block);
+  if (found && (node(at).isComplete() || offset < node(at).prefix)) return false;
+  if (offset > 0 && !(found && offset == node(at).prefix)) return placeOpen(index, sample);
+  if (!found) insertNode(at, {.sums = {}, .block = block});
+  Node& grown = node(at);
+  if (sample.isFinite()) grown.sums.add(sample);
+  ++grown.prefix;
+  absorbOpen(at);
+  return true;
+}
+
+bool PixelSum::placeOpen(std::uint32_t index, const PixelSample& sample) {
+  if (!more_) more_ = std::make_unique<More>();
+  auto& samples = more_->samples;
+  const auto at = std::lower_bound(samples.begin(), samples.end(), index,
+                                   [](const OpenSample& open, std::uint32_t i) { return open.index < i; });
+  if (at != samples.end() && at->index == index) return false;
+  samples.insert(at, {index, sample});
+  return true;
+}
+
+/// Carries a prefix on with the open samples that follow it; a full block becomes a node of the tree.
+void PixelSum::absorbOpen(std::size_t at) {
+  Node& grown = node(at);
+  if (more_ && !more_->samples.empty()) {
+    auto& samples = more_->samples;
+    const std::uint32_t start = grown.block * blockSize;
+    const auto from = std::lower_bound(samples.begin(), samples.end(), start + grown.prefix,
+                                       [](const OpenSample& open, std::uint32_t i) { return open.index < i; });
+    auto to = from;
+    for (; to != samples.end() && grown.prefix < blockSize && to->index == start + grown.prefix; ++to) {
+      if (to->sample.isFinite()) grown.sums.add(to->sample);
+      ++grown.prefix;
+    }
+    samples.erase(from, to);
+  }
+  if (grown.prefix == blockSize) {
+    grown.prefix = 0;
+    joinSiblings(at);
+  }
+  releaseUnused();
+}
+
+void PixelSum::joinSiblings(std::size_t at) {
+  while (true) {
+    const Node& here = node(at);
+    const bool isLeft = ((here.block >> here.level) & 1u) == 0;
+    if (!isLeft && at == 0) return;
+    const std::size_t left = isLeft ? at : at - 1;
+    if (left + 1 >= nodeCount()) return;
+    const Node &a = node(left), &b = node(left + 1);
+    const bool areSiblings =
+        a.isComplete() && b.isComplete() && a.level == b.level && (a.block >> a.level) + 1 == (b.block >> b.level);
+    if (!areSiblings) return;
+    node(left).sums = a.sums + b.sums;
+    ++node(left).level;
+    eraseNode(left + 1);
+    at = left;
+  }
+}
+
+void PixelSum::insertPart(const Node& part) {
+  const std::size_t at = findNode(part.block);
+  insertNode(at, part);
+  if (part.isComplete()) {
+    joinSiblings(at);
+    releaseUnused();
+  } else {
+    absorbOpen(at);
+  }
+}
+
+bool PixelSum::overlaps(const PixelSum& other) const {
+  const std::vector<Range> mine = ranges(), theirs = other.ranges();
+  for (std::size_t i = 0, j = 0; i < mine.size() && j < theirs.size();) {
+    if (mine[i].end <= theirs[j].first) {
+      ++i;
+    } else if (theirs[j].end <= mine[i].first) {
+      ++j;
+    } else {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool PixelSum::merge(const PixelSum& other) {
+  if (overlaps(other)) return false;
+  for (std::size_t i = 0; i < other.nodeCount(); ++i) insertPart(other.node(i));
+  if (other.more_) {
+    for (const OpenSample& open : other.more_->samples) place(open.index, open.sample);
+  }
+  count_ += other.count_;
+  dropped_ = (dropped_ + other.dropped_) & 0x7fffffffu;
+  return true;
+}
+
+SampleSums PixelSum::total() const {
+  const std::size_t openCount = more_ ? more_->samples.size() : 0;
+  SampleSums sum;
+  std::size_t nodes = nodeCount(), open = openCount;
+  while (nodes > 0 || open > 0) {
+    const std::uint32_t openBlock = open > 0 ? more_->samples[open - 1].index / blockSize : 0;
+    const bool hasOpen = open > 0 && (nodes == 0 || openBlock >= node(nodes - 1).block);
+    const bool hasNode = nodes > 0 && (!hasOpen || openBlock == node(nodes - 1).block);
+    SampleSums part = hasNode ? node(--nodes).sums : SampleSums{};
+    if (hasOpen) {
+      std::size_t first = open;
+      while (first > 0 && more_->samples[first - 1].index / blockSize == openBlock) --first;
+      for (std::size_t i = first; i < open; ++i) {
+        if (more_->samples[i].sample.isFinite()) part.add(more_->samples[i].sample);
+      }
+      open = first;
+    }
+    sum = part + sum;
+  }
+  return sum;
+}
+
+std::vector<PixelSum::Range> PixelSum::ranges() const {
+  std::vector<Range> all;
+  for (std::size_t i = 0; i < nodeCount(); ++i) all.push_back(node(i).range());
+  if (more_) {
+    for (const OpenSample& open : more_->samples) all.push_back({open.index, std::uint64_t{open.index} + 1});
+  }
+  std::sort(all.begin(), all.end(), [](const Range& a, const Range& b) { return a.first < b.first; });
+  std::vector<Range> joined;
+  for (const Range& range : all) {
+    if (!joined.empty() && joined.back().end == range.first) {
+      joined.back().end = range.end;
+    } else {
+      joined.push_back(range);
+    }
+  }
+  return joined;
+}
+
+std::size_t PixelSum::bytes() const {
+  if (!more_) return sizeof(PixelSum);
+  return sizeof(PixelSum) + sizeof(More) + more_->nodes.capacity() * sizeof(Node) +
+         more_->samples.capacity() * sizeof(OpenSample);
+}
+
+bool operator==(const PixelSum& a, const PixelSum& b) {
+  return a.count() == b.count() && a.dropped() == b.dropped() && a.ranges() == b.ranges() && a.total() == b.total();
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,313 @@
+#include "core/render/prepare.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/accel/obj.h"
+#include "core/accel/ply.h"
+#include "core/render/medium_preparation.h"
+#include "core/render/shader_binding.h"
+
+namespace aerosol::render {
+
+namespace {
+
+/// Builds a scene step by step. Each step adds to the errors what is wrong with its part, so that one run reports all.
+class Preparation {
+ public:
+  Preparation(const scene::SceneDescription& description, const Registry& registry, const PrepareOptions& options,
+              Diagnostics& warnings)
+      : description_(description),
+        registry_(registry),
+        options_(options),
+        warnings_(warnings),
+        library_(makeLibrary()),
+        scene_(std::make_unique<PreparedScene>()) {}
+
+  Result<std::unique_ptr<const PreparedScene>> run() {
+    bindMaterials();
+    placeMedia();
+    if (errors_.hasErrors()) return fail();
+    errors_.append(scene_->shading.compile(*options_.compiler, {options_.target, options_.laneCounters}));
+    if (errors_.hasErrors()) return fail();
+    addShapes();
+    addVolumes();
+    if (errors_.hasErrors()) return fail();
+    buildGeometry();
+    if (errors_.hasErrors()) return fail();
+    decideMedia();
+    addLights();
+    setUpCamera();
+    if (errors_.hasErrors()) return fail();
+    description_.sources->annotate(warnings_);
+    return std::unique_ptr<const PreparedScene>(std::move(scene_));
+  }
+
+ private:
+  /// Where a medium of the description is placed.
+  struct Placement {
+    scene::Index medium = 0;
+    scene::MediumSampling sampling;
+    float extent = std::numeric_limits<float>::infinity();
+  };
+
+  shading::ShaderLibrary makeLibrary() const {
+    std::vector<std::filesystem::path> path = options_.shaderPath;
+    path.insert(path.end(), description_.searchPath.begin(), description_.searchPath.end());
+    path.push_back(options_.shaderLibrary);
+    lang::CompileOptions compile;
+    compile.includePaths = path;
+    compile.standardLibrary = options_.shaderLibrary / "stdosl.h";
+    return {path, compile, options_.cache};
+  }
+
+  Diagnostics fail() {
+    description_.sources->annotate(errors_);
+    return errors_;
+  }
+
+  void bindMaterials() {
+    for (const scene::Shape& shape : description_.shapes) {
+      auto bound = bindShader(description_.materials[shape.material], "surface", shape.toWorld, library_,
+                              scene_->shading, warnings_);
+      scene_->objects.emplace_back();
+      if (bound) {
+        scene_->objects.back().material = *bound;
+      } else {
+        appendNew(bound.errors());
+      }
+    }
+  }
+
+  /// A material used by many shapes is reported once.
+  void appendNew(const Diagnostics& errors) {
+    for (const Diagnostic& each : errors.entries()) {
+      const bool known = std::any_of(errors_.entries().begin(), errors_.entries().end(), [&](const Diagnostic& e) {
+        return e.location == each.location && e.message == each.message;
+      });
+      if (!known) errors_.add(each);
+    }
+  }
+
+  void placeMedia() {
+    scene_->media.reserve(description_.volumes.size() + 2 * description_.shapes.size() + 1);
+    for (const scene::Volume& volume : description_.volumes) {
+      scene_->volumes.push_back(place(volume.medium, volume.toWorld, description_.samplingOf(volume)));
+    }
+    for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
+      const scene::Shape& shape = description_.shapes[i];
+      if (shape.interior) scene_->objects[i].interior = place(*shape.interior, shape.toWorld);
+      if (shape.exterior) scene_->objects[i].exterior = place(*shape.exterior, shape.toWorld);
+    }
+    if (description_.sensor.medium) scene_->cameraMedium = place(*description_.sensor.medium, {});
+  }
+
+  const volume::Medium* place(scene::Index index, const Transform<World, Object>& toWorld) {
+    return place(index, toWorld, description_.media[index].sampling);
+  }
+
+  const volume::Medium* place(scene::Index index, const Transform<World, Object>& toWorld,
+                              const scene::MediumSampling& sampling) {
+    const scene::ShaderUse& shader = description_.media[index].shader;
+    auto bound = bindShader(shader, "volume", toWorld, library_, scene_->shading, warnings_);
+    if (!bound) {
+      appendNew(bound.errors());
+      return nullptr;
+    }
+    volume::Medium& medium = scene_->media.emplace_back();
+    medium.index = static_cast<std::uint32_t>(scene_->media.size() - 1);
+    scene_->mediumShaders.push_back(*bound);
+    scene_->mediumLocations.push_back(shader.origin.location);
+    scene_->mediumNames.push_back(shader.name);
+    placements_.push_back({index, sampling, std::numeric_limits<float>::infinity()});
+    return &medium;
+  }
+
+  void addShapes() {
+    for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
+      const scene::Shape& shape = description_.shapes[i];
+      PreparedObject& object = scene_->objects[i];
+      describeMaterial(object);
+      auto id = addShape(shape, object.isBoundary);
+      if (!id) {
+        for (Diagnostic error : id.errors().entries()) {
+          if (error.location.file.empty()) error.location = shape.origin.location;
+          errors_.add(std::move(error));
+        }
+      }
+    }
+  }
+
+  /// Which closures the material's sites are, and whether it lets everything through.
+  void describeMaterial(PreparedObject& object) {
+    const lang::Program& program = *scene_->shading.family(object.material).program;
+    if (program.closureSites.size() > SurfaceAnswer::maximumSites) {
+      errors_.error(program.locations[program.closureSites[SurfaceAnswer::maximumSites].location],
+                    fmt::format("shader '{}' has more than {} closures", program.name, SurfaceAnswer::maximumSites));
+      return;
+    }
+    for (const lang::ClosureSite& site : program.closureSites) {
+      object.closures.push_back(registry_.closure(site.closure));
+      if (!object.closures.back()) {
+        errors_.error(program.locations[site.location],
+                      fmt::format("closure '{}' is not implemented for surfaces", site.closure));
+      }
+    }
+    if (errors_.hasErrors()) return;
+    const std::optional<SurfaceAnswer> constant = constantClosures(*scene_, object.material);
+    if (!constant) return;
+    Color passing;
+    bool hasOther = false;
+    for (std::uint32_t s = 0; s < constant->siteCount; ++s) {
+      if (object.closures[s]->kind() == ClosureKind::transparent) {
+        passing += constant->sites[s].weight;
+      } else {
+        hasOther = hasOther || !isBlack(constant->sites[s].weight);
+      }
+    }
+    object.isBoundary = !hasOther && passing == Color(1.0f);
+  }
+
+  static Transform<World, Object> sphereToWorld(const scene::Shape& shape) {
+    Matrix4 place = identityMatrix();
+    Matrix4 inverse = identityMatrix();
+    const double radius = shape.radius;
+    for (std::size_t i = 0; i < 3; ++i) {
+      place[i][i] = radius;
+      place[i][3] = shape.center[static_cast<int>(i)];
+      inverse[i][i] = 1 / radius;
+      inverse[i][3] = -place[i][3] / radius;
+    }
+    return {multiply(shape.toWorld.matrix(), place), multiply(inverse, shape.toWorld.inverseMatrix())};
+  }
+
+  Result<accel::ObjectId> addShape(const scene::Shape& shape, bool passThrough) {
+    using scene::ShapeType;
+    if (shape.type == ShapeType::sphere)
+      return builder_.addSphere(sphereToWorld(shape), passThrough, shape.flipNormals);
+    if (shape.type == ShapeType::disk) return builder_.addDisk(shape.toWorld, passThrough, shape.flipNormals);
+    accel::TriangleMesh mesh;
+    if (shape.type == ShapeType::obj || shape.type == ShapeType::ply) {
+      const std::string file = shape.file.string();
+      auto loaded = shape.type == ShapeType::obj ? accel::loadObj(file, shape.toWorld, warnings_)
+                                                 : accel::loadPly(file, shape.toWorld, warnings_);
+      if (!loaded) return loaded.errors();
+      mesh = std::move(*loaded);
+    } else {
+      mesh = shape.type == ShapeType::cube ? accel::makeCube(shape.toWorld) : accel::makeRectangle(shape.toWorld);
+    }
+    mesh.faceNormals = mesh.faceNormals || shape.faceNormals;
+    mesh.flipNormals = shape.flipNormals;
+    return builder_.addMesh(std::move(mesh), passThrough);
+  }
+
+  void addVolumes() {
+    for (std::size_t i = 0; i < description_.volumes.size(); ++i) {
+      const scene::Volume& volume = description_.volumes[i];
+      const VolumeType* type = registry_.volume(volume.type);
+      if (!type) {
+        errors_.error(volume.origin.location, fmt::format("there is no volume of type '{}'", volume.type));
+        continue;
+      }
+      auto shape = type->make(volume);
+      const Box<World> bounds = shape->worldBounds();
+      placements_[scene_->volumes[i]->index].extent = length(bounds.upper - bounds.lower);
+      if (auto added = builder_.addVolume(std::move(shape)); !added) errors_.append(added.errors());
+    }
+  }
+
+  void buildGeometry() {
+    auto built = builder_.build({options_.embreeIsa});
+    if (built) {
+      scene_->geometry.emplace(std::move(*built));
+    } else {
+      errors_.append(built.errors());
+    }
+  }
+
+  float sceneExtent() const {
+    const Box<World> bounds = scene_->geometry->bounds();
+    return bounds.isEmpty() ? 1.0f : length(bounds.upper - bounds.lower);
+  }
+
+  void decideMedia() {
+    for (volume::Medium& medium : scene_->media) {
+      const Placement& placement = placements_[medium.index];
+      const float extent = std::isfinite(placement.extent) ? placement.extent : sceneExtent();
+      errors_.append(decideSampling(*scene_, medium, placement.sampling, description_.integrator, extent));
+    }
+  }
+
+  void addLights() {
+    std::vector<std::unique_ptr<const Light>> lights;
+    const auto add = [&](const scene::Emitter& emitter, std::shared_ptr<const LightSurface> surface) {
+      auto light = makeLight(registry_, emitter, std::move(surface));
+      if (!light) {
+        errors_.append(light.errors());
+        return false;
+      }
+      lights.push_back(std::move(*light));
+      return true;
+    };
+    for (const scene::Emitter& emitter : description_.emitters) add(emitter, nullptr);
+    for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
+      const scene::Shape& shape = description_.shapes[i];
+      if (!shape.emitter) continue;
+      std::shared_ptr<const LightSurface> surface = lightSurface(shape, static_cast<accel::ObjectId>(i));
+      if (!surface) {
+        errors_.error(shape.origin.location, "a shape without area cannot emit");
+        continue;
+      }
+      if (add(*shape.emitter, surface)) scene_->objects[i].light = static_cast<std::uint32_t>(lights.size() - 1);
+    }
+    scene_->lights = LightSet(std::move(lights), 0.5f * sceneExtent());
+    scene_->phase = registry_.phase("henyey_greenstein");
+  }
+
+  std::unique_ptr<const LightSurface> lightSurface(const scene::Shape& shape, accel::ObjectId object) const {
+    switch (shape.type) {
+      case scene::ShapeType::sphere:
+        return makeSphereLight(sphereToWorld(shape), shape.flipNormals);
+      case scene::ShapeType::disk:
+        return makeDiskLight(shape.toWorld, shape.flipNormals);
+      case scene::ShapeType::rectangle:
+        return makeRectangleLight(shape.toWorld, shape.flipNormals);
+      default:
+        return makeMeshLight(*scene_->geometry->mesh(object));
+    }
+  }
+
+  void setUpCamera() {
+    scene_->camera.emplace(description_.sensor, description_.film);
+    scene_->filter.emplace(description_.film.filter);
+    const auto& toWorld = description_.sensor.toWorld;
+    scene_->namedSpaces.add("camera", toWorld.matrix(), toWorld.inverseMatrix());
+    scene_->sampler =
+        description_.sampler.type == scene::SamplerType::sobol ? SamplerKind::sobol : SamplerKind::independent;
+    scene_->seed = static_cast<std::uint64_t>(description_.sampler.seed);
+    const scene::Integrator& integrator = description_.integrator;
+    scene_->path = {integrator.maxDepth, integrator.rrDepth, integrator.hideEmitters, integrator.stepScale};
+    scene_->loopBudget = options_.loopBudget;
+  }
+
+  const scene::SceneDescription& description_;
+  const Registry& registry_;
+  const PrepareOptions& options_;
+  Diagnostics& warnings_;
+  shading::ShaderLibrary library_;
+  std::unique_ptr<PreparedScene> scene_;
+  accel::SceneBuilder builder_;
+  std::vector<Placement> placements_;  ///< By medium index.
+  Diagnostics errors_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<const PreparedScene>> prepare(const scene::SceneDescription& description,
+                                                     const Registry& registry, const PrepareOptions& options,
+                                                     Diagnostics& warnings) {
+  return Preparation(description, registry, options, warnings).run();
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,34 @@
+// From the description of a scene to a scene that can be rendered.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/jit/compiler.h"
+#include "core/render/prepared_scene.h"
+#include "core/render/registry.h"
+#include "core/scene/description.h"
+
+namespace aerosol::render {
+
+struct PrepareOptions {
+  std::vector<std::filesystem::path> shaderPath;  ///< Searched before the scene's own search path and the library.
+  std::filesystem::path shaderLibrary;            ///< The installed shaders with stdosl.h.
+  std::shared_ptr<jit::Compiler> compiler;
+  std::shared_ptr<jit::ObjectCache> cache;  ///< May be null.
+  jit::Target target;
+  std::string embreeIsa;                ///< Empty: the best of this machine.
+  bool laneCounters = false;            ///< Kernels count the lanes that work (slower).
+  std::uint32_t loopBudget = 1u << 24;  ///< Iterations of one loop that one point may run.
+};
+
+/// Everything wrong with the scene is in the errors, each where it is written. `warnings` also takes those of shaders.
+Result<std::unique_ptr<const PreparedScene>> prepare(const scene::SceneDescription& description,
+                                                     const Registry& registry, const PrepareOptions& options,
+                                                     Diagnostics& warnings);
+
+}  // namespace aerosol::render

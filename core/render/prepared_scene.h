@@ -1,0 +1,64 @@
+// A scene ready to be rendered. Const once preparation is over; every thread reads it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/accel/scene.h"
+#include "core/render/camera.h"
+#include "core/render/closure.h"
+#include "core/render/filter.h"
+#include "core/render/light_set.h"
+#include "core/render/message_log.h"
+#include "core/render/sample_stream.h"
+#include "core/shading/kernel_host.h"
+#include "core/shading/shading_system.h"
+#include "core/volume/medium.h"
+#include "core/volume/phase.h"
+
+namespace aerosol::render {
+
+/// A surface: what it is made of and what lies on its two sides.
+struct PreparedObject {
+  shading::InstanceRef material;
+  bool isBoundary = false;                   ///< Null material: rays pass, and change medium.
+  const volume::Medium* interior = nullptr;  ///< On the side away from the normal; null: vacuum.
+  const volume::Medium* exterior = nullptr;
+  std::optional<std::uint32_t> light;    ///< Index of its area light.
+  std::vector<const Closure*> closures;  ///< By closure site of the material's program.
+};
+
+/// Path tracing parameters (Mitsuba's meaning).
+struct PathSettings {
+  int maxDepth = -1;  ///< Longest path in segments; -1: unbounded.
+  int rrDepth = 5;    ///< Path length from which Russian roulette is played.
+  bool hideEmitters = false;
+  float stepScale = 1;
+};
+
+struct PreparedScene {
+  std::optional<accel::Scene> geometry;
+  shading::ShadingSystem shading;
+  shading::NamedSpaces namedSpaces;
+  std::vector<volume::Medium> media;                ///< Addresses are stable.
+  std::vector<shading::InstanceRef> mediumShaders;  ///< By medium index.
+  std::vector<SourceLocation> mediumLocations;      ///< By medium index.
+  std::vector<std::string> mediumNames;             ///< Shader names by medium index.
+  std::vector<PreparedObject> objects;              ///< By accel::ObjectId.
+  std::vector<const volume::Medium*> volumes;       ///< By accel::VolumeId.
+  const volume::Medium* cameraMedium = nullptr;     ///< Surface-defined medium around the camera.
+  LightSet lights;
+  std::optional<Camera> camera;
+  std::optional<Filter> filter;
+  SamplerKind sampler = SamplerKind::sobol;
+  std::uint64_t seed = 0;
+  const volume::PhaseFunction* phase = nullptr;  ///< Of the lobes that volume shaders return.
+  PathSettings path;
+  std::uint32_t loopBudget = 1u << 24;
+  std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();
+};
+
+}  // namespace aerosol::render

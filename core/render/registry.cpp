@@ -1,0 +1,139 @@
+#include "core/render/registry.h"
+
+#include <algorithm>
+
+namespace aerosol::render {
+
+namespace {
+
+/// The name and the parameters under which a light of the scene format is registered.
+struct NamedLight {
+  std::string type;
+  std::vector<scene::NamedValue> parameters;
+};
+
+NamedLight nameLight(const scene::Emitter& emitter) {
+  using scene::Unplaced;
+  const Point<World> p = emitter.position;
+  const Vector<World> d = emitter.direction;
+  switch (emitter.type) {
+    case scene::EmitterType::point:
+      return {"point", {{"intensity", emitter.emitted}, {"position", Point<Unplaced>(p.x, p.y, p.z)}}};
+    case scene::EmitterType::directional:
+      return {"directional", {{"irradiance", emitter.emitted}, {"direction", Vector<Unplaced>(d.x, d.y, d.z)}}};
+    case scene::EmitterType::constant:
+      return {"constant", {{"radiance", emitter.emitted}}};
+    case scene::EmitterType::area:
+      return {"area", {{"radiance", emitter.emitted}}};
+  }
+  return {};
+}
+
+std::vector<std::string> namesOf(std::span<const LightType> types) {
+  std::vector<std::string> names;
+  for (const LightType& type : types) names.push_back(type.name);
+  return names;
+}
+
+std::vector<std::string> namesOf(const std::vector<scene::ParameterSpec>& specs) {
+  std::vector<std::string> names;
+  for (const scene::ParameterSpec& spec : specs) names.push_back(spec.name);
+  return names;
+}
+
+Diagnostic unknown(const SourceLocation& location, const std::string& what, const std::string& name,
+                   const std::vector<std::string>& known) {
+  std::string list;
+  for (const std::string& entry : known) list += (list.empty() ? "known are " : ", ") + entry;
+  Diagnostic error;
+  error.location = location;
+  error.message = "there is no " + what + " '" + name + "'";
+  if (const std::string near = didYouMean(name, known); !near.empty()) error.notes.push_back(near);
+  if (!list.empty()) error.notes.push_back(list);
+  return error;
+}
+
+/// Checks each parameter and adds the defaults.
+Diagnostics complete(const LightType& type, std::vector<scene::NamedValue>& parameters,
+                     const SourceLocation& location) {
+  Diagnostics errors;
+  for (scene::NamedValue& parameter : parameters) {
+    const auto spec = std::find_if(type.parameters.begin(), type.parameters.end(),
+                                   [&](const scene::ParameterSpec& s) { return s.name == parameter.name; });
+    if (spec == type.parameters.end()) {
+      errors.add(unknown(location, "parameter of " + type.name + " lights", parameter.name, namesOf(type.parameters)));
+      continue;
+    }
+    const std::optional<scene::Value> value = scene::convert(parameter.value, spec->type);
+    if (!value) {
+      errors.error(location, "'" + parameter.name + "' is a " + std::string(scene::name(spec->type)) + ", not a " +
+                                 std::string(scene::name(scene::typeOf(parameter.value))));
+      continue;
+    }
+    parameter.value = *value;
+    if (const std::string wrong = scene::checkValue(*spec, *value); !wrong.empty()) errors.error(location, wrong);
+  }
+  for (const scene::ParameterSpec& spec : type.parameters) {
+    const bool given = std::any_of(parameters.begin(), parameters.end(),
+                                   [&](const scene::NamedValue& parameter) { return parameter.name == spec.name; });
+    if (given) continue;
+    if (spec.defaultValue) {
+      parameters.push_back({spec.name, *spec.defaultValue});
+    } else {
+      errors.error(location, "a light of type '" + type.name + "' needs '" + spec.name + "'");
+    }
+  }
+  return errors;
+}
+
+}  // namespace
+
+const Closure* Registry::closure(std::string_view name) const {
+  const auto found = std::find_if(closures_.begin(), closures_.end(), [&](const auto& c) { return c->name() == name; });
+  return found == closures_.end() ? nullptr : found->get();
+}
+
+const volume::PhaseFunction* Registry::phase(std::string_view name) const {
+  const auto found = std::find_if(phases_.begin(), phases_.end(), [&](const auto& p) { return p->name() == name; });
+  return found == phases_.end() ? nullptr : found->get();
+}
+
+const Integrator* Registry::integrator(std::string_view name) const {
+  const auto found =
+      std::find_if(integrators_.begin(), integrators_.end(), [&](const auto& i) { return i.name == name; });
+  return found == integrators_.end() ? nullptr : found->integrator.get();
+}
+
+const LightType* Registry::light(std::string_view name) const {
+  const auto found = std::find_if(lights_.begin(), lights_.end(), [&](const LightType& l) { return l.name == name; });
+  return found == lights_.end() ? nullptr : &*found;
+}
+
+const VolumeType* Registry::volume(std::string_view name) const {
+  const auto found =
+      std::find_if(volumes_.begin(), volumes_.end(), [&](const VolumeType& v) { return v.described.type == name; });
+  return found == volumes_.end() ? nullptr : &*found;
+}
+
+Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, const scene::Emitter& emitter,
+                                               std::shared_ptr<const LightSurface> surface) {
+  NamedLight named = nameLight(emitter);
+  return makeLight(registry, named.type, std::move(named.parameters), std::move(surface), emitter.origin.location);
+}
+
+Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, std::string_view type,
+                                               std::vector<scene::NamedValue> parameters,
+                                               std::shared_ptr<const LightSurface> surface,
+                                               const SourceLocation& location) {
+  const LightType* const known = registry.light(type);
+  if (!known) return unknown(location, "light of type", std::string(type), namesOf(registry.lights()));
+  if (Diagnostics errors = complete(*known, parameters, location); errors.hasErrors()) return errors;
+  if (known->needsSurface && !surface) {
+    Diagnostics errors;
+    errors.error(location, "a light of type '" + known->name + "' needs a shape with area");
+    return errors;
+  }
+  return known->make({parameters, std::move(surface)});
+}
+
+}  // namespace aerosol::render

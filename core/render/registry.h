@@ -1,0 +1,102 @@
+// The table of compiled-in features: closures, phase functions, light types, integrators by name.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/accel/convex_volume.h"
+#include "core/base/result.h"
+#include "core/render/closure.h"
+#include "core/render/integrator.h"
+#include "core/render/light.h"
+#include "core/render/light_surface.h"
+#include "core/scene/description.h"
+#include "core/scene/parameter.h"
+#include "core/volume/phase.h"
+
+namespace aerosol::render {
+
+/// What a light is made from: its parameters, checked against the type's table, and for area lights its surface.
+struct LightArguments {
+  std::span<const scene::NamedValue> parameters;
+  std::shared_ptr<const LightSurface> surface;
+
+  /// The value of one of the type's parameters.
+  template <class T>
+  T get(std::string_view name) const {
+    for (const scene::NamedValue& parameter : parameters) {
+      if (parameter.name == name) return std::get<T>(parameter.value);
+    }
+    return T{};
+  }
+};
+
+/// A kind of light.
+struct LightType {
+  std::string name;
+  std::string doc;
+  std::vector<scene::ParameterSpec> parameters;
+  bool needsSurface = false;
+  std::unique_ptr<const Light> (*make)(const LightArguments& arguments) = nullptr;
+};
+
+/// An integrator under the name that scenes call it by.
+struct NamedIntegrator {
+  std::string name;
+  std::string doc;
+  std::shared_ptr<const Integrator> integrator;
+};
+
+/// A volume primitive type: its parameters in scenes, and how one is made.
+struct VolumeType {
+  scene::VolumeType described;
+  std::function<std::unique_ptr<const accel::ConvexVolume>(const scene::Volume&)> make;
+};
+
+/// Filled once by `registerPlugins`, then const. Names are unique within a kind.
+class Registry {
+ public:
+  void add(std::unique_ptr<const Closure> closure) { closures_.push_back(std::move(closure)); }
+  void add(std::unique_ptr<const volume::PhaseFunction> phase) { phases_.push_back(std::move(phase)); }
+  void add(LightType light) { lights_.push_back(std::move(light)); }
+  void add(VolumeType volume) { volumes_.push_back(std::move(volume)); }
+  void add(NamedIntegrator integrator) { integrators_.push_back(std::move(integrator)); }
+
+  /// Null when unknown.
+  const Closure* closure(std::string_view name) const;
+  const volume::PhaseFunction* phase(std::string_view name) const;
+  const LightType* light(std::string_view name) const;
+  const VolumeType* volume(std::string_view name) const;
+  const Integrator* integrator(std::string_view name) const;
+
+  /// All, in the order of registration.
+  std::span<const std::unique_ptr<const Closure>> closures() const { return closures_; }
+  std::span<const std::unique_ptr<const volume::PhaseFunction>> phases() const { return phases_; }
+  std::span<const LightType> lights() const { return lights_; }
+  std::span<const VolumeType> volumes() const { return volumes_; }
+  std::span<const NamedIntegrator> integrators() const { return integrators_; }
+
+ private:
+  std::vector<std::unique_ptr<const Closure>> closures_;
+  std::vector<std::unique_ptr<const volume::PhaseFunction>> phases_;
+  std::vector<LightType> lights_;
+  std::vector<VolumeType> volumes_;
+  std::vector<NamedIntegrator> integrators_;
+};
+
+/// A light as the scene describes it. An area light needs `surface`. An unknown type or a wrong parameter is an error
+/// at its place, listing what is known.
+Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, const scene::Emitter& emitter,
+                                               std::shared_ptr<const LightSurface> surface = nullptr);
+
+/// A light by the name of its type. Defaults are filled in, each value is checked against the type's table.
+Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, std::string_view type,
+                                               std::vector<scene::NamedValue> parameters,
+                                               std::shared_ptr<const LightSurface> surface,
+                                               const SourceLocation& location = {});
+
+}  // namespace aerosol::render

@@ -1,0 +1,125 @@
+#include "core/render/shader_binding.h"
+
+#include <fmt/format.h>
+
+namespace aerosol::render {
+
+namespace {
+
+using lang::BaseType;
+using lang::ConstantValue;
+using scene::ValueType;
+
+/// The scene's type of a shader parameter; nothing for what a scene file cannot hold.
+std::optional<ValueType> sceneType(const lang::Type& type) {
+  if (type.isArray() || type.closure) return {};
+  switch (type.base) {
+    case BaseType::integer:
+      return ValueType::integer;
+    case BaseType::floating:
+      return ValueType::number;
+    case BaseType::string:
+      return ValueType::string;
+    case BaseType::color:
+      return ValueType::color;
+    case BaseType::point:
+      return ValueType::point;
+    case BaseType::vector:
+    case BaseType::normal:
+      return ValueType::vector;
+    case BaseType::matrix:
+      return ValueType::transform;
+    default:
+      return {};
+  }
+}
+
+template <class Triple>
+ConstantValue tripleValue(const Triple& t) {
+  return std::vector<float>{t[0], t[1], t[2]};
+}
+
+/// Matrices of the language act on row vectors, those of scenes on column vectors.
+ConstantValue matrixValue(const Matrix4& m) {
+  std::vector<float> elements;
+  for (std::size_t row = 0; row < 4; ++row) {
+    for (std::size_t column = 0; column < 4; ++column) elements.push_back(static_cast<float>(m[column][row]));
+  }
+  return elements;
+}
+
+ConstantValue shaderValue(const scene::Value& value) {
+  switch (scene::typeOf(value)) {
+    case ValueType::boolean:
+      return std::vector<std::int32_t>{std::get<bool>(value)};
+    case ValueType::integer:
+      return std::vector<std::int32_t>{std::get<int>(value)};
+    case ValueType::number:
+      return std::vector<float>{std::get<float>(value)};
+    case ValueType::string:
+      return std::vector<std::string>{std::get<std::string>(value)};
+    case ValueType::color:
+      return tripleValue(std::get<Color>(value));
+    case ValueType::point:
+      return tripleValue(std::get<Point<scene::Unplaced>>(value));
+    case ValueType::vector:
+      return tripleValue(std::get<Vector<scene::Unplaced>>(value));
+    case ValueType::transform:
+      return matrixValue(std::get<Matrix4>(value));
+  }
+  return {};
+}
+
+Diagnostic unknownParameter(const lang::Program& program, const scene::ShaderParameter& parameter) {
+  std::vector<std::string> known;
+  std::string list;
+  for (const lang::Parameter& p : program.parameters) {
+    if (p.isOutput) continue;
+    known.push_back(p.name);
+    list += fmt::format("{}{} {}", list.empty() ? "" : ", ", lang::toString(p.type), p.name);
+  }
+  Diagnostic error{.location = parameter.location,
+                   .message = fmt::format("shader '{}' has no parameter '{}'", program.name, parameter.name)};
+  if (const std::string hint = didYouMean(parameter.name, known); !hint.empty()) error.notes.push_back(hint);
+  error.notes.push_back(known.empty() ? "it has no parameters" : "its parameters: " + list);
+  return error;
+}
+
+}  // namespace
+
+Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
+                                        const Transform<World, Object>& objectToWorld, shading::ShaderLibrary& library,
+                                        shading::ShadingSystem& shading, Diagnostics& warnings) {
+  const auto program = library.find(use.name, use.nameLocation, warnings);
+  if (!program) return program.errors();
+  const lang::Program& p = **program;
+  Diagnostics errors;
+  if (p.kind != kind && p.kind != "shader") {
+    errors.error(use.nameLocation,
+                 fmt::format("'{}' is a {} shader; a {} shader is needed here", use.name, p.kind, kind));
+    return errors;
+  }
+  shading::Instance instance;
+  instance.objectToWorld = objectToWorld;
+  for (const scene::ShaderParameter& parameter : use.parameters) {
+    const std::optional<std::uint32_t> index = shading::findParameter(p, parameter.name);
+    if (!index) {
+      errors.add(unknownParameter(p, parameter));
+      continue;
+    }
+    const lang::Type& type = p.parameters[*index].type;
+    const std::optional<ValueType> wanted = sceneType(type);
+    const std::optional<scene::Value> value = wanted ? parameter.convertTo(*wanted) : std::nullopt;
+    if (!value) {
+      errors.error(parameter.valueLocation,
+                   fmt::format("parameter '{}' of shader '{}' is a {}; {} does not fit", parameter.name, p.name,
+                               lang::toString(type), scene::name(scene::typeOf(parameter.value))));
+      continue;
+    }
+    instance.values.push_back({*index, shaderValue(*value)});
+  }
+  if (errors.hasErrors()) return errors;
+  return shading.add(*program, std::move(instance));
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,18 @@
+// From a shader as a scene names it to an instance of its program.
+#pragma once
+
+#include <string_view>
+
+#include "core/scene/description.h"
+#include "core/shading/shader_library.h"
+#include "core/shading/shading_system.h"
+
+namespace aerosol::render {
+
+/// Finds the program, checks that it is of `kind` ("volume", "surface"), and converts the parameters to the types that
+/// it declares. Every unknown parameter and every value that does not fit is an error at its place.
+Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
+                                        const Transform<World, Object>& objectToWorld, shading::ShaderLibrary& library,
+                                        shading::ShadingSystem& shading, Diagnostics& warnings);
+
+}  // namespace aerosol::render

@@ -1,0 +1,50 @@
+#include "core/render/surface_closures.h"
+
+namespace aerosol::render {
+
+shading::ShadingPoint shadingPointOf(const accel::SurfaceHit& hit, const Ray<World>& ray) {
+  using lang::Global;
+  shading::ShadingPoint point;
+  point.set(Global::P, hit.point);
+  point.set(Global::I, ray.direction);
+  point.set(Global::N, hit.shadingNormal);
+  point.set(Global::Ng, hit.geometricNormal);
+  point.set(Global::u, hit.u);
+  point.set(Global::v, hit.v);
+  point.set(Global::dPdu, hit.dPdu);
+  point.set(Global::dPdv, hit.dPdv);
+  point.set(Global::time, ray.time);
+  return point;
+}
+
+namespace {
+
+/// Shaders may return normals of any length; closures want unit ones.
+void normalizeDirections(const Closure& closure, std::span<float> parameters, Normal<World> fallback) {
+  std::size_t at = 0;
+  for (const DescribedField& field : closure.fields()) {
+    if (field.type == FieldType::direction) {
+      Vector<World> v = normalize(Vector<World>(parameters[at], parameters[at + 1], parameters[at + 2]));
+      if (!(squaredLength(v) > 0.5f)) v = fallback.vector();
+      for (int i = 0; i < 3; ++i) parameters[at + static_cast<std::size_t>(i)] = v[i];
+    }
+    at += static_cast<std::size_t>(field.components());
+  }
+}
+
+}  // namespace
+
+SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnswer& answer,
+                                 const accel::SurfaceHit& hit, Vector<World> direction)
+    : answer_(answer) {
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < answer_.siteCount; ++i) {
+    SurfaceAnswer::Site& site = answer_.sites[i];
+    if (!object.closures[i] || isBlack(site.weight) || !isFinite(site.weight)) continue;
+    normalizeDirections(*object.closures[i], site.parameters, hit.shadingNormal);
+    terms_[count++] = {object.closures[i], site.weight, site.parameters};
+  }
+  mix_.emplace(std::span(terms_.data(), count), ClosurePoint{-direction, hit.geometricNormal});
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,33 @@
+// From what a surface shader answered to the closures that a path samples.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "core/render/closure_mix.h"
+#include "core/render/prepared_scene.h"
+#include "core/render/surface_answer.h"
+#include "core/shading/shading_point.h"
+
+namespace aerosol::render {
+
+/// The shader globals of a hit. `toViewer` is unit.
+shading::ShadingPoint shadingPointOf(const accel::SurfaceHit& hit, const Ray<World>& ray);
+
+/// The closures of one hit; owns what the mix refers to.
+class SurfaceClosures {
+ public:
+  SurfaceClosures(const PreparedObject& object, const SurfaceAnswer& answer, const accel::SurfaceHit& hit,
+                  Vector<World> direction);
+  SurfaceClosures(const SurfaceClosures&) = delete;
+  SurfaceClosures& operator=(const SurfaceClosures&) = delete;
+
+  const ClosureMix& mix() const { return *mix_; }
+
+ private:
+  SurfaceAnswer answer_;
+  std::array<WeightedClosure, SurfaceAnswer::maximumSites> terms_;
+  std::optional<ClosureMix> mix_;
+};
+
+}  // namespace aerosol::render

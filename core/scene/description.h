@@ -1,0 +1,230 @@
+// A scene as plain data with the places it was written at: all that the renderer reads.
+//
+// Positions without another word are in world space and scene units; colours are linear Rec.709.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/color.h"
+#include "core/base/diagnostic.h"
+#include "core/base/geometry.h"
+#include "core/scene/source_text.h"
+#include "core/scene/value.h"
+
+namespace aerosol::scene {
+
+/// Where an object and its parameters are written. An object that the scene leaves to its default has the place of
+/// the object that lacks it.
+struct Origin {
+  std::string id;                                    ///< Empty when the scene gives none.
+  SourceLocation location;                           ///< Of the element.
+  std::map<std::string, SourceLocation> parameters;  ///< Of the values written.
+
+  bool has(const std::string& parameter) const { return parameters.contains(parameter); }
+  /// The place of a parameter's value, or of the object when it is not written.
+  const SourceLocation& of(const std::string& parameter) const;
+};
+
+/// One written parameter of a shader. Its type is that of its element; `convertTo` gives what the shader asks for.
+struct ShaderParameter {
+  std::string name;
+  Value value;
+  SourceLocation location;       ///< Of the name, for "has no parameter …".
+  SourceLocation valueLocation;  ///< Of the value, for "is not …".
+  bool untyped = false;          ///< Came without a type, from `--set`.
+
+  /// The value as a `type` where that loses nothing; none when it does not fit (see `convert` in value.h).
+  std::optional<Value> convertTo(ValueType type) const { return convert(value, type, untyped); }
+};
+
+/// A shader by name with its parameters, which its own interface decides about later.
+struct ShaderUse {
+  std::string name;
+  std::vector<ShaderParameter> parameters;
+  Origin origin;
+  SourceLocation nameLocation;
+
+  /// Null when not written.
+  const ShaderParameter* find(const std::string& parameter) const;
+};
+
+/// How distances in a medium are sampled.
+enum class DistanceSampling : std::uint8_t {
+  automatic,      ///< The renderer chooses, by what it knows of the density's bound.
+  marching,       ///< Ray marching.
+  nullScattering  ///< Delta tracking against a bound.
+};
+
+/// What a medium or volume says about its sampling; what it does not say is decided later.
+struct MediumSampling {
+  std::optional<DistanceSampling> distance;
+  std::optional<float> stepSize;      ///< Ray marching step, scene units, > 0.
+  std::optional<float> densityBound;  ///< Declared upper bound of the extinction, per scene unit, > 0.
+
+  /// This, completed by what only `other` says.
+  MediumSampling orElse(const MediumSampling& other) const;
+};
+
+/// A medium: a volume shader and its sampling.
+struct Medium {
+  ShaderUse shader;
+  MediumSampling sampling;
+};
+
+/// Index into `SceneDescription::materials` or `media`.
+using Index = std::size_t;
+
+struct Integrator {
+  std::string type = "path";
+  int maxDepth = -1;  ///< Longest path: 1 shows emitters, 2 direct light …; -1 is unbounded.
+  int rrDepth = 5;    ///< Path length from which Russian roulette is played, at least 1.
+  bool hideEmitters = false;
+  DistanceSampling distance = DistanceSampling::automatic;  ///< For media that do not choose.
+  float stepScale = 1;                                      ///< Factor on all ray marching steps, > 0.
+  Origin origin;
+};
+
+enum class FilterType : std::uint8_t { box, tent, gaussian };
+
+struct ReconstructionFilter {
+  FilterType type = FilterType::gaussian;
+  float radius = 2;     ///< Pixels, > 0; of a gaussian, where it is cut off.
+  float stddev = 0.5f;  ///< Pixels, > 0; of a gaussian.
+  Origin origin;
+};
+
+enum class PixelFormat : std::uint8_t { rgb, rgba };
+enum class ComponentFormat : std::uint8_t { float16, float32 };
+
+/// Pixels. The crop lies within the film.
+struct Film {
+  int width = 768;
+  int height = 576;
+  int cropOffsetX = 0;
+  int cropOffsetY = 0;
+  std::optional<int> cropWidth;   ///< Up to the right edge when not given.
+  std::optional<int> cropHeight;  ///< Down to the lower edge when not given.
+  PixelFormat pixelFormat = PixelFormat::rgb;
+  ComponentFormat componentFormat = ComponentFormat::float32;  ///< Of channels written to a file.
+  ReconstructionFilter filter;
+  Origin origin;
+
+  int croppedWidth() const { return cropWidth.value_or(width - cropOffsetX); }
+  int croppedHeight() const { return cropHeight.value_or(height - cropOffsetY); }
+};
+
+enum class SamplerType : std::uint8_t { independent, sobol };
+
+struct Sampler {
+  SamplerType type = SamplerType::sobol;
+  int sampleCount = 16;  ///< Per pixel, at least 1.
+  int seed = 0;          ///< At least 0.
+  Origin origin;
+};
+
+enum class SensorType : std::uint8_t { perspective, thinlens };
+enum class FovAxis : std::uint8_t { x, y, diagonal, smaller, larger };
+
+/// An angle of view (degrees, 0 to 180 excluded) across one axis of the film.
+struct FieldOfView {
+  float degrees = 0;
+  FovAxis axis = FovAxis::x;
+};
+
+struct Sensor {
+  SensorType type = SensorType::perspective;
+  Transform<World, Camera> toWorld;  ///< Without scale; may mirror.
+  std::optional<float> fov;          ///< Degrees; see `fieldOfView`.
+  FovAxis fovAxis = FovAxis::x;
+  std::string focalLength;  ///< "50mm", of a film of 36 × 24 mm; see `fieldOfView`.
+  float nearClip = 0.01f;
+  float farClip = 10000;
+  float apertureRadius = 0;            ///< Of a thinlens, scene units.
+  std::optional<float> focusDistance;  ///< Of a thinlens, scene units along the view; `farClip` when not given.
+  std::optional<Index> medium;         ///< What the camera stands in.
+  Origin origin;
+
+  /// From `fov` and `fovAxis`, or from `focalLength` (default 50mm) across the diagonal.
+  FieldOfView fieldOfView() const;
+};
+
+enum class EmitterType : std::uint8_t { point, directional, constant, area };
+
+struct Emitter {
+  EmitterType type = EmitterType::constant;
+  /// Point: radiant intensity (W/sr). Directional: irradiance (W/m²) at right angles. Constant, area: radiance.
+  Color emitted{1, 1, 1};
+  Point<World> position;             ///< Of a point.
+  Vector<World> direction{0, 0, 1};  ///< Of a directional light: where it travels; unit length.
+  Origin origin;
+};
+
+enum class ShapeType : std::uint8_t { obj, ply, sphere, cube, rectangle, disk };
+
+/// Canonical forms, before `toWorld`: a sphere of `radius` about `center`; a cube from -1 to 1; a rectangle from -1 to
+/// 1 in x and y at z = 0; a disk of radius 1 at z = 0. The normals of the last two point along +z.
+struct Shape {
+  ShapeType type = ShapeType::sphere;
+  Transform<World, Object> toWorld;
+  std::filesystem::path file;  ///< Of obj and ply: an existing file.
+  Point<Object> center;
+  float radius = 1;
+  bool flipNormals = false;
+  bool faceNormals = false;
+  Index material = 0;
+  std::optional<Index> interior;  ///< Surface-defined, exclusive medium on the side away from the normal.
+  std::optional<Index> exterior;
+  std::optional<Emitter> emitter;  ///< An area light.
+  Origin origin;
+};
+
+/// A parameter of a plugin's object, checked against its table and present when written or given a default there.
+struct NamedValue {
+  std::string name;
+  Value value;
+};
+
+/// An additive volume primitive without boundary.
+struct Volume {
+  std::string type;
+  Transform<World, Object> toWorld;
+  std::vector<NamedValue> parameters;
+  Index medium = 0;
+  MediumSampling sampling;  ///< Goes before the medium's own.
+  Origin origin;
+
+  /// Null when neither written nor given a default.
+  const Value* find(const std::string& parameter) const;
+  /// The value of a parameter that the type's table gives a default or requires.
+  template <class T>
+  const T& get(const std::string& parameter) const {
+    return std::get<T>(*find(parameter));
+  }
+};
+
+struct SceneDescription {
+  Integrator integrator;
+  Sensor sensor;
+  Film film;
+  Sampler sampler;
+  std::vector<ShaderUse> materials;
+  std::vector<Medium> media;
+  std::vector<Shape> shapes;
+  std::vector<Volume> volumes;
+  std::vector<Emitter> emitters;                  ///< All but area lights.
+  std::vector<std::filesystem::path> searchPath;  ///< The scene's folder, then those of `<path>`.
+  std::shared_ptr<const SourceTexts> sources;     ///< For the source lines of later messages.
+
+  /// The sampling of a volume: its own words, then its medium's.
+  MediumSampling samplingOf(const Volume& volume) const {
+    return volume.sampling.orElse(media[volume.medium].sampling);
+  }
+};
+
+}  // namespace aerosol::scene

@@ -1,0 +1,28 @@
+// Reads a scene: the one entrance to this library.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/scene/description.h"
+#include "core/scene/parameter.h"
+
+namespace aerosol::scene {
+
+struct LoadOptions {
+  std::map<std::string, std::string> defines;  ///< `-D name=value`; each has to be used by the scene.
+  std::vector<std::string> overrides;          ///< `--set target.parameter=value`, applied in order (see overrides.h).
+  KnownTypes knownTypes;                       ///< Object types of plugins.
+};
+
+/// Reads a scene file. All errors that could be found come back together; `warnings` gets what is merely doubtful.
+Result<SceneDescription> load(const std::filesystem::path& path, const LoadOptions& options, Diagnostics& warnings);
+
+/// Reads a scene from text. Messages call it `name`; relative file names start from `directory`.
+Result<SceneDescription> loadString(std::string text, const std::string& name, const std::filesystem::path& directory,
+                                    const LoadOptions& options, Diagnostics& warnings);
+
+}  // namespace aerosol::scene

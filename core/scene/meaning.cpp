@@ -1,0 +1,262 @@
+#include "core/scene/meaning.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/scene/checks.h"
+#include "core/scene/id_table.h"
+#include "core/scene/property_reader.h"
+#include "core/scene/shader_builder.h"
+#include "core/scene/syntax.h"
+#include "core/scene/tables.h"
+
+namespace aerosol::scene {
+
+namespace {
+
+/// Builds one description from one tree.
+class SceneBuilder {
+ public:
+  SceneBuilder(const SceneTree& tree, const KnownTypes& known, const SourceTexts& texts, Reporter& reporter)
+      : tree_(tree),
+        known_(known),
+        texts_(texts),
+        reporter_(reporter),
+        ids_(tree, reporter),
+        shaders_(scene_, ids_, reporter) {}
+
+  SceneDescription build() {
+    readSensorTree();
+    if (const Element* integrator = singleOf("integrator")) {
+      readTyped(*integrator, integratorTypes(), scene_.integrator);
+      ids_.children(*integrator, {}, reporter_);
+    } else {
+      scene_.integrator.origin.location = tree_.scene.location;
+    }
+    for (const Element& element : tree_.scene.children) {
+      if (element.tag == "shape") readShape(element);
+      if (element.tag == "volume") readVolume(element);
+      if (element.tag == "emitter") readSceneEmitter(element);
+    }
+    if (!reporter_.failed()) warnOfUnused();
+    return std::move(scene_);
+  }
+
+ private:
+  /// The only object of a kind that a scene may have once; null when there is none.
+  const Element* singleOf(const std::string& tag) {
+    std::vector<Child> children;
+    for (const Element& element : tree_.scene.children) {
+      if (element.tag == tag) children.push_back({&element, &element});
+    }
+    return IdTable::single(children, tag, reporter_).object;
+  }
+
+  /// The type's place in its table; none when it is unknown, which is reported.
+  template <class T>
+  std::optional<std::size_t> readTyped(const Element& element, const std::vector<TypeTable<T>>& tables, T& object) {
+    const TypeTable<T>* table = scene::readTyped(element, tables, object, reporter_);
+    return table ? std::optional(static_cast<std::size_t>(table - tables.data())) : std::nullopt;
+  }
+
+  void readSensorTree() {
+    const Element* element = singleOf("sensor");
+    if (!element) {
+      reporter_.error(tree_.scene.location, "the scene has no sensor",
+                      {"write a <sensor type=\"perspective\"> into it"});
+      return;
+    }
+    Sensor& sensor = scene_.sensor;
+    const int before = reporter_.errorCount();
+    if (const auto type = readTyped(*element, sensorTypes(), sensor)) sensor.type = static_cast<SensorType>(*type);
+    if (sensor.origin.has("fov") && sensor.origin.has("focal_length")) {
+      reporter_.error(sensor.origin.of("focal_length"),
+                      "'fov' and 'focal_length' both give the angle: write one of them");
+    }
+    if (reporter_.errorCount() == before) checkSensor(sensor, reporter_);
+    const std::vector<Child> children = ids_.children(*element, {"film", "sampler", "medium"}, reporter_);
+    const Child film = IdTable::single(children, "film", reporter_);
+    const Child sampler = IdTable::single(children, "sampler", reporter_);
+    const Child medium = IdTable::single(children, "medium", reporter_);
+    scene_.film.origin.location = scene_.film.filter.origin.location = element->location;
+    scene_.sampler.origin.location = element->location;
+    if (film.object) readFilm(*film.object);
+    if (sampler.object) readSampler(*sampler.object);
+    if (medium.object) sensor.medium = shaders_.medium(*medium.object);
+  }
+
+  void readFilm(const Element& element) {
+    Film& film = scene_.film;
+    const int before = reporter_.errorCount();
+    readTyped(element, filmTypes(), film);
+    if (reporter_.errorCount() == before) checkFilm(film, reporter_);
+    film.filter.origin.location = element.location;
+    const Child filter = IdTable::single(ids_.children(element, {"rfilter"}, reporter_), "rfilter", reporter_);
+    if (!filter.object) return;
+    const auto type = readTyped(*filter.object, filterTypes(), film.filter);
+    if (type) film.filter.type = static_cast<FilterType>(*type);
+    completeFilter(film.filter);
+    ids_.children(*filter.object, {}, reporter_);
+  }
+
+  void readSampler(const Element& element) {
+    const auto type = readTyped(element, samplerTypes(), scene_.sampler);
+    ids_.children(element, {}, reporter_);
+    if (!type) return;
+    const TypeTable<Sampler>& table = samplerTypes()[*type];
+    scene_.sampler.type = table.type == "independent" ? SamplerType::independent : SamplerType::sobol;
+    if (table.substitute.empty()) return;
+    reporter_.warning(element.typeLocation,
+                      fmt::format("instead of the sampler '{}' the low-discrepancy sampler '{}' is used", table.type,
+                                  table.substitute));
+  }
+
+  std::optional<Emitter> readEmitter(const Element& element) {
+    Emitter emitter;
+    const auto type = readTyped(element, emitterTypes(), emitter);
+    ids_.children(element, {}, reporter_);
+    if (!type) return std::nullopt;
+    emitter.type = static_cast<EmitterType>(*type);
+    for (const char* other : {"position", "direction"}) {
+      if (!emitter.origin.has(other) || !emitter.origin.has("to_world")) continue;
+      reporter_.error(emitter.origin.of("to_world"),
+                      fmt::format("'to_world' and '{}' both place the light: write one of them", other));
+    }
+    return emitter;
+  }
+
+  void readSceneEmitter(const Element& element) {
+    if (element.type == "area") {
+      if (element.id.empty()) {
+        reporter_.error(element.location, "an area light belongs in a shape: here it has no surface");
+      }
+      return;
+    }
+    std::optional<Emitter> emitter = readEmitter(element);
+    if (!emitter) return;
+    if (emitter->type == EmitterType::constant) {
+      const auto first = std::find_if(scene_.emitters.begin(), scene_.emitters.end(),
+                                      [](const Emitter& e) { return e.type == EmitterType::constant; });
+      if (first != scene_.emitters.end()) {
+        reporter_.error(element.location, "a second environment: only one emitter can surround the scene",
+                        {fmt::format("the first one is at {}", format(first->origin.location))});
+      }
+    }
+    scene_.emitters.push_back(std::move(*emitter));
+  }
+
+  void readShape(const Element& element) {
+    Shape shape;
+    const auto type = readTyped(element, shapeTypes(), shape);
+    if (type) shape.type = static_cast<ShapeType>(*type);
+    if (shape.origin.has("filename")) findShapeFile(shape);
+    const std::vector<Child> children = ids_.children(element, {"bsdf", "emitter", "medium"}, reporter_);
+    const Child emitter = IdTable::single(children, "emitter", reporter_);
+    if (emitter.object) readAreaLight(emitter, shape);
+    const Child bsdf = IdTable::single(children, "bsdf", reporter_);
+    shape.material = bsdf.object ? shaders_.material(*bsdf.object)
+                                 : shaders_.defaultMaterial(element.location, emitter.object != nullptr);
+    for (const Child& child : children) {
+      if (child.object->tag == "medium") readShapeMedium(child, shape);
+    }
+    scene_.shapes.push_back(std::move(shape));
+  }
+
+  void findShapeFile(Shape& shape) {
+    const std::string name = shape.file.string();
+    const SourceLocation& place = shape.origin.of("filename");
+    const SourceText* text = texts_.find(place.file);
+    const std::filesystem::path directory = text ? text->directory() : std::filesystem::path();
+    const auto found = findFile(name, directory, tree_.searchPath);
+    if (found) {
+      shape.file = *found;
+    } else if (!name.empty()) {
+      reporter_.error(place, fmt::format("there is no file '{}'", name),
+                      {describeSearch(name, directory, tree_.searchPath)});
+    }
+  }
+
+  void readAreaLight(const Child& child, Shape& shape) {
+    if (child.object->type != "area" && findType(emitterTypes(), child.object->type)) {
+      reporter_.error(child.use->location,
+                      fmt::format("an emitter of type '{}' does not belong in a shape", child.object->type),
+                      {"a shape shines by an emitter of type area; others stand directly in the scene"});
+      return;
+    }
+    shape.emitter = readEmitter(*child.object);
+  }
+
+  void readShapeMedium(const Child& child, Shape& shape) {
+    const bool inside = child.use->name == "interior";
+    if (!inside && child.use->name != "exterior") {
+      reporter_.error(child.use->name.empty() ? child.use->location : child.use->nameLocation,
+                      "a medium in a shape needs name=\"interior\" or name=\"exterior\"");
+      return;
+    }
+    std::optional<Index>& slot = inside ? shape.interior : shape.exterior;
+    if (slot) {
+      reporter_.error(child.use->location, fmt::format("a second {} medium: only one is possible", child.use->name));
+      return;
+    }
+    slot = shaders_.medium(*child.object);
+  }
+
+  void readVolume(const Element& element) {
+    const VolumeType* type = known_.volume(element.type);
+    std::vector<Child> children = ids_.children(element, {"medium"}, reporter_);
+    const Child medium = IdTable::single(children, "medium", reporter_);
+    if (!type) {
+      std::vector<std::string> types;
+      for (const VolumeType& t : known_.volumes) types.push_back(t.type);
+      return reportUnknownType(element, types, reporter_);
+    }
+    Volume volume;
+    volume.type = type->type;
+    PropertyReader reader(element, volume.origin, reporter_);
+    reader.apply(type->parameters, volume.parameters);
+    reader.apply(volumeFields(), volume);
+    reader.apply(samplingFields(), volume.sampling);
+    reader.finish();
+    if (!medium.object) {
+      if (children.empty() && element.children.empty()) {
+        reporter_.error(element.location, fmt::format("{} lacks its medium", describe(element)),
+                        {"write a <medium type=\"…\"> or a <ref id=\"…\"/> to one into it"});
+      }
+      return;
+    }
+    volume.medium = shaders_.medium(*medium.object);
+    scene_.volumes.push_back(std::move(volume));
+  }
+
+  /// Objects that only matter where they are referred to.
+  void warnOfUnused() {
+    for (const Element& element : tree_.scene.children) {
+      const bool standsAlone = element.tag == "sensor" || element.tag == "integrator" || element.tag == "shape" ||
+                               element.tag == "volume" || (element.tag == "emitter" && element.type != "area");
+      if (standsAlone || ids_.isUsed(element)) continue;
+      const std::string message = element.id.empty()
+                                      ? fmt::format("{} has no id, so nothing can refer to it", describe(element))
+                                      : fmt::format("{} '{}' is never referred to", element.tag, element.id);
+      reporter_.warning(element.location, message);
+    }
+  }
+
+  const SceneTree& tree_;
+  const KnownTypes& known_;
+  const SourceTexts& texts_;
+  Reporter& reporter_;
+  SceneDescription scene_;
+  IdTable ids_;
+  ShaderBuilder shaders_;
+};
+
+}  // namespace
+
+SceneDescription describeScene(const SceneTree& tree, const KnownTypes& known, const SourceTexts& texts,
+                               Reporter& reporter) {
+  return SceneBuilder(tree, known, texts, reporter).build();
+}
+
+}  // namespace aerosol::scene

@@ -1,0 +1,38 @@
+// `<bsdf>` and `<medium>`: shaders by name with whatever parameters they are given.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "core/scene/description.h"
+#include "core/scene/id_table.h"
+#include "core/scene/reporter.h"
+
+namespace aerosol::scene {
+
+/// Turns shader elements into entries of the description, each once however often it is referred to.
+class ShaderBuilder {
+ public:
+  ShaderBuilder(SceneDescription& scene, IdTable& ids, Reporter& reporter)
+      : scene_(scene), ids_(ids), reporter_(reporter) {}
+
+  Index material(const Element& element);
+  Index medium(const Element& element);
+  /// What a shape without bsdf is made of, as Mitsuba has it: grey diffuse, or black diffuse when it emits.
+  Index defaultMaterial(const SourceLocation& shape, bool emits);
+
+ private:
+  ShaderUse shaderOf(const Element& element, const std::vector<const Property*>& properties) const;
+  void addPhase(const Element& medium, ShaderUse& shader);
+
+  SceneDescription& scene_;
+  IdTable& ids_;
+  Reporter& reporter_;
+  std::map<const Element*, Index> materials_;
+  std::map<const Element*, Index> media_;
+  std::optional<Index> grey_;
+  std::optional<Index> black_;
+};
+
+}  // namespace aerosol::scene

@@ -1,0 +1,172 @@
+#include <utility>
+
+#include "core/scene/focal_length.h"
+#include "core/scene/tables.h"
+
+namespace aerosol::scene {
+
+namespace {
+
+constexpr int longestSide = 1 << 16;
+
+std::vector<Field<Sensor>> perspectiveFields() {
+  Field<Sensor> focalLength = field<&Sensor::focalLength>(
+      {.name = "focal_length", .doc = "instead of fov: focal length of a 36 x 24 mm film", .defaultText = "50mm"});
+  focalLength.set = [](Sensor& sensor, const Value& value) -> std::string {
+    const auto& text = std::get<std::string>(value);
+    if (!parseFocalLength(text)) return "'" + text + "' is not a focal length: write one like 50mm";
+    sensor.focalLength = text;
+    sensor.fov.reset();
+    return {};
+  };
+  return {
+      field<&Sensor::toWorld>({.name = "to_world",
+                               .doc = "camera to world, without scale; the camera looks along +z",
+                               .defaultText = "identity"}),
+      field<&Sensor::fov>({.name = "fov",
+                           .unit = "degrees",
+                           .doc = "angle of view",
+                           .defaultText = "from focal_length",
+                           .range = {.minimum = 0, .maximum = 180, .openMinimum = true, .openMaximum = true}}),
+      field<&Sensor::fovAxis>({.name = "fov_axis", .doc = "the side of the film that fov spans"}),
+      std::move(focalLength),
+      field<&Sensor::nearClip>({.name = "near_clip",
+                                .unit = "scene units",
+                                .doc = "nothing nearer along the view is seen",
+                                .range = Range::positive()}),
+      field<&Sensor::farClip>({.name = "far_clip",
+                               .unit = "scene units",
+                               .doc = "nothing farther along the view is seen",
+                               .range = Range::positive()}),
+  };
+}
+
+std::vector<Field<Sensor>> thinlensFields() {
+  std::vector<Field<Sensor>> fields = perspectiveFields();
+  fields.push_back(field<&Sensor::apertureRadius>({.name = "aperture_radius",
+                                                   .unit = "scene units",
+                                                   .doc = "radius of the lens; 0 is a pinhole",
+                                                   .required = true,
+                                                   .range = Range::atLeast(0)}));
+  fields.push_back(field<&Sensor::focusDistance>({.name = "focus_distance",
+                                                  .unit = "scene units",
+                                                  .doc = "distance along the view that is sharp",
+                                                  .defaultText = "far_clip",
+                                                  .range = Range::positive()}));
+  return fields;
+}
+
+Range side(int minimum) { return {.minimum = static_cast<double>(minimum), .maximum = longestSide}; }
+
+std::vector<Field<Sampler>> samplerFields() {
+  return {
+      field<&Sampler::sampleCount>(
+          {.name = "sample_count", .unit = "samples per pixel", .doc = "paths per pixel", .range = Range::atLeast(1)}),
+      field<&Sampler::seed>(
+          {.name = "seed", .doc = "another seed gives another, independent noise", .range = Range::atLeast(0)})};
+}
+
+/// Mitsuba's stratified samplers: the low-discrepancy one takes their place, and their own knobs mean nothing.
+TypeTable<Sampler> imitated(const std::string& type) {
+  TypeTable<Sampler> table{.type = type,
+                           .doc = "read for compatibility: sobol is used instead, with a warning",
+                           .fields = samplerFields(),
+                           .substitute = "sobol"};
+  const auto ignored = [&](const char* name, ValueType valueType) {
+    table.fields.push_back({{.name = name, .type = valueType, .doc = "has no effect", .withoutEffect = true},
+                            [](Sampler&, const Value&) { return std::string(); }});
+  };
+  if (type != "ldsampler") ignored("jitter", ValueType::boolean);
+  if (type == "orthogonal") ignored("strength", ValueType::integer);
+  return table;
+}
+
+}  // namespace
+
+const std::vector<TypeTable<Sensor>>& sensorTypes() {
+  static const std::vector<TypeTable<Sensor>> tables = {
+      {.type = "perspective",
+       .doc = "a pinhole camera",
+       .fields = perspectiveFields(),
+       .nested = "film, sampler, medium (what the camera stands in)"},
+      {.type = "thinlens",
+       .doc = "a camera with a lens, hence depth of field",
+       .fields = thinlensFields(),
+       .nested = "film, sampler, medium (what the camera stands in)"}};
+  return tables;
+}
+
+const std::vector<TypeTable<Film>>& filmTypes() {
+  static const std::vector<TypeTable<Film>> tables =
+      {{.type = "hdrfilm",
+        .doc = "the picture",
+        .fields =
+            {field<&Film::width>({.name = "width", .unit = "pixels", .doc = "width of the picture", .range = side(1)}),
+             field<&Film::height>(
+                 {.name = "height", .unit = "pixels", .doc = "height of the picture", .range = side(1)}),
+             field<&Film::cropOffsetX>(
+                 {.name = "crop_offset_x", .unit = "pixels", .doc = "left edge of what is rendered", .range = side(0)}),
+             field<&Film::cropOffsetY>({.name = "crop_offset_y",
+                                        .unit = "pixels",
+                                        .doc = "upper edge of what is rendered",
+                                        .range = side(0)}),
+             field<&Film::cropWidth>({.name = "crop_width",
+                                      .unit = "pixels",
+                                      .doc = "width of what is rendered",
+                                      .defaultText = "to the right edge",
+                                      .range = side(1)}),
+             field<&Film::cropHeight>({.name = "crop_height",
+                                       .unit = "pixels",
+                                       .doc = "height of what is rendered",
+                                       .defaultText = "to the lower edge",
+                                       .range = side(1)}),
+             field<&Film::pixelFormat>({.name = "pixel_format", .doc = "rgba adds coverage"}),
+             field<&Film::componentFormat>({.name = "component_format", .doc = "precision of an OpenEXR file"}),
+             {{.name = "file_format",
+               .type = ValueType::string,
+               .doc = "the file's name on the command line decides; OpenEXR is what this film is made for",
+               .defaultValue = std::string("openexr"),
+               .choices = {"openexr"}},
+              [](Film&, const Value&) { return std::string(); }}},
+        .nested = "rfilter"}};
+  return tables;
+}
+
+const std::vector<TypeTable<ReconstructionFilter>>& filterTypes() {
+  const auto radius = [](float pixels, const char* doc) {
+    Field<ReconstructionFilter> f = field<&ReconstructionFilter::radius>(
+        {.name = "radius", .unit = "pixels", .doc = doc, .range = {.minimum = 0, .maximum = 64, .openMinimum = true}});
+    f.spec.defaultValue = pixels;
+    return f;
+  };
+  static const std::vector<TypeTable<ReconstructionFilter>> tables = {
+      {.type = "box", .doc = "the mean over a square", .fields = {radius(0.5f, "half the side of the square")}},
+      {.type = "tent", .doc = "falls linearly to zero", .fields = {radius(1, "where it reaches zero")}},
+      {.type = "gaussian",
+       .doc = "a bell",
+       .fields = {
+           [&] {
+             Field<ReconstructionFilter> f = radius(2, "where it is cut off");
+             f.spec.defaultValue.reset();
+             f.spec.defaultText = "4 stddev";
+             return f;
+           }(),
+           field<&ReconstructionFilter::stddev>({.name = "stddev",
+                                                 .unit = "pixels",
+                                                 .doc = "standard deviation",
+                                                 .range = {.minimum = 0, .maximum = 16, .openMinimum = true}})}}};
+  return tables;
+}
+
+const std::vector<TypeTable<Sampler>>& samplerTypes() {
+  static const std::vector<TypeTable<Sampler>> tables = {
+      {.type = "independent", .doc = "independent random numbers", .fields = samplerFields()},
+      {.type = "sobol", .doc = "Owen-scrambled Sobol' points, of low discrepancy", .fields = samplerFields()},
+      imitated("ldsampler"),
+      imitated("stratified"),
+      imitated("multijitter"),
+      imitated("orthogonal")};
+  return tables;
+}
+
+}  // namespace aerosol::scene

@@ -1,0 +1,166 @@
+#include <cmath>
+#include <utility>
+
+#include "core/scene/tables.h"
+
+namespace aerosol::scene {
+
+namespace {
+
+std::vector<Field<Shape>> shapeFields(bool fromFile) {
+  std::vector<Field<Shape>> fields = {
+      field<&Shape::toWorld>({.name = "to_world", .doc = "the shape's own space to world", .defaultText = "identity"}),
+      field<&Shape::flipNormals>({.name = "flip_normals", .doc = "turn inside and outside around"})};
+  if (!fromFile) return fields;
+  fields.push_back(
+      field<&Shape::faceNormals>({.name = "face_normals", .doc = "flat triangles: normals of the file are not used"}));
+  // The reader finds the file and puts in its path: the text alone does not say where it lies.
+  fields.push_back({{.name = "filename",
+                     .type = ValueType::string,
+                     .doc = "the mesh, relative to the scene file or to a <path>",
+                     .required = true},
+                    [](Shape& shape, const Value& value) -> std::string {
+                      shape.file = std::get<std::string>(value);
+                      return shape.file.empty() ? "'filename' is empty" : "";
+                    }});
+  return fields;
+}
+
+TypeTable<Shape> shapeTable(const char* type, const char* doc, std::vector<Field<Shape>> fields) {
+  return {.type = type,
+          .doc = doc,
+          .fields = std::move(fields),
+          .nested = "bsdf, emitter of type area, medium named interior, medium named exterior"};
+}
+
+std::vector<Field<Shape>> sphereFields() {
+  std::vector<Field<Shape>> fields = shapeFields(false);
+  fields.push_back(
+      field<&Shape::center>({.name = "center", .unit = "scene units", .doc = "centre, in the shape's own space"}));
+  fields.push_back(field<&Shape::radius>({.name = "radius",
+                                          .unit = "scene units",
+                                          .doc = "radius, in the shape's own space",
+                                          .range = Range::positive()}));
+  return fields;
+}
+
+Field<Emitter> emittedField(const char* name, const char* unit, const char* doc) {
+  return field<&Emitter::emitted>({.name = name, .unit = unit, .doc = doc, .range = Range::atLeast(0)});
+}
+
+/// `to_world` of a point light moves the origin, that of a directional one turns +z.
+Field<Emitter> placementField(const char* doc) {
+  return {{.name = "to_world", .type = ValueType::transform, .doc = doc, .defaultText = "identity"},
+          [](Emitter& emitter, const Value& value) -> std::string {
+            const auto transform = toTransform<World, Object>(std::get<Matrix4>(value));
+            if (!transform) return "this transform is not affine and invertible";
+            emitter.position = (*transform)(Point<Object>(0, 0, 0));
+            emitter.direction = normalize((*transform)(Vector<Object>(0, 0, 1)));
+            return {};
+          }};
+}
+
+Field<Emitter> directionField() {
+  return {{.name = "direction",
+           .type = ValueType::vector,
+           .doc = "where the light travels, of any length",
+           .defaultValue = Vector<Unplaced>(0, 0, 1)},
+          [](Emitter& emitter, const Value& value) -> std::string {
+            const auto& d = std::get<Vector<Unplaced>>(value);
+            const double x = static_cast<double>(d.x), y = static_cast<double>(d.y), z = static_cast<double>(d.z);
+            const double length = std::hypot(x, y, z);
+            if (!(length > 0)) return "a direction of no length points nowhere";
+            emitter.direction = {static_cast<float>(x / length), static_cast<float>(y / length),
+                                 static_cast<float>(z / length)};
+            return {};
+          }};
+}
+
+}  // namespace
+
+const std::vector<TypeTable<Integrator>>& integratorTypes() {
+  static const std::vector<TypeTable<Integrator>> tables = {
+      {.type = "path",
+       .doc = "path tracing of surfaces and media, with light sampling",
+       .aliases = {"volpath", "volpathmis"},
+       .fields = {
+           field<&Integrator::maxDepth>({.name = "max_depth",
+                                         .doc = "longest path: 1 shows emitters, 2 adds direct light; -1 is unbounded",
+                                         .range = Range::atLeast(-1)}),
+           field<&Integrator::rrDepth>({.name = "rr_depth",
+                                        .doc = "path length from which Russian roulette is played",
+                                        .range = Range::atLeast(1)}),
+           field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
+           field<&Integrator::distance>({.name = "distance", .doc = "distance sampling of media that do not choose"}),
+           field<&Integrator::stepScale>(
+               {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()})}}};
+  return tables;
+}
+
+const std::vector<TypeTable<Shape>>& shapeTypes() {
+  static const std::vector<TypeTable<Shape>> tables = {
+      shapeTable("obj", "a mesh in a Wavefront OBJ file", shapeFields(true)),
+      shapeTable("ply", "a mesh in a PLY file", shapeFields(true)),
+      shapeTable("sphere", "a sphere", sphereFields()),
+      shapeTable("cube", "a cube from -1 to 1 on each axis", shapeFields(false)),
+      shapeTable("rectangle", "a square from -1 to 1 in x and y, facing +z", shapeFields(false)),
+      shapeTable("disk", "a disk of radius 1 in x and y, facing +z", shapeFields(false))};
+  return tables;
+}
+
+const std::vector<TypeTable<Emitter>>& emitterTypes() {
+  static const std::vector<TypeTable<Emitter>> tables = {
+      {.type = "point",
+       .doc = "light from one point",
+       .fields = {field<&Emitter::position>({.name = "position", .unit = "scene units", .doc = "place in the world"}),
+                  placementField("instead of position: moves the origin to the light"),
+                  emittedField("intensity", "W/sr", "radiant intensity")}},
+      {.type = "directional",
+       .doc = "parallel light from far away",
+       .fields = {directionField(), placementField("instead of direction: turns +z into it"),
+                  emittedField("irradiance", "W/m^2", "irradiance at right angles to the light")}},
+      {.type = "constant",
+       .doc = "equal light from everywhere far away",
+       .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance")}},
+      {.type = "area",
+       .doc = "light from the surface of the shape it stands in",
+       .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance")}}};
+  return tables;
+}
+
+const std::vector<TypeTable<PhaseFunction>>& phaseTypes() {
+  static const std::vector<TypeTable<PhaseFunction>> tables = {
+      {.type = "hg",
+       .doc = "Henyey-Greenstein scattering",
+       .fields = {field<&PhaseFunction::g>(
+           {.name = "g",
+            .doc = "mean cosine of the scattering angle, becomes the shader's g",
+            .range = {.minimum = -1, .maximum = 1, .openMinimum = true, .openMaximum = true}})}},
+      {.type = "isotropic", .doc = "equal scattering into all directions, makes the shader's g 0"}};
+  return tables;
+}
+
+const std::vector<Field<MediumSampling>>& samplingFields() {
+  static const std::vector<Field<MediumSampling>> fields = {
+      field<&MediumSampling::stepSize>({.name = "step_size",
+                                        .unit = "scene units",
+                                        .doc = "ray marching step",
+                                        .defaultText = "chosen by the renderer",
+                                        .range = Range::positive()}),
+      field<&MediumSampling::densityBound>({.name = "density_bound",
+                                            .unit = "per scene unit",
+                                            .doc = "declared upper bound of the extinction",
+                                            .defaultText = "found by the renderer",
+                                            .range = Range::positive()}),
+      field<&MediumSampling::distance>(
+          {.name = "distance", .doc = "distance sampling", .defaultText = "the integrator's"})};
+  return fields;
+}
+
+const std::vector<Field<Volume>>& volumeFields() {
+  static const std::vector<Field<Volume>> fields = {field<&Volume::toWorld>(
+      {.name = "to_world", .doc = "the primitive's own space to world", .defaultText = "identity"})};
+  return fields;
+}
+
+}  // namespace aerosol::scene

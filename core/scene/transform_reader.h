@@ -1,0 +1,14 @@
+// `<transform>`: a product of translations, rotations, scalings, views and matrices.
+#pragma once
+
+#include <optional>
+
+#include "core/base/geometry.h"
+#include "core/scene/attributes.h"
+
+namespace aerosol::scene {
+
+/// The product of the element's children, the first one applied first. None when something was reported.
+std::optional<Matrix4> readTransform(const XmlElement& xml, ReadContext context);
+
+}  // namespace aerosol::scene

@@ -1,0 +1,71 @@
+// What running kernels reach of the host: named spaces and the log of their messages. One per thread.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/jit/kernel_interface.h"
+#include "core/lang/abi.h"
+
+namespace aerosol::shading {
+
+/// Coordinate systems that shaders may name, besides object, shader, world and common. Const after preparation.
+class NamedSpaces {
+ public:
+  void add(const std::string& name, const Matrix4& toWorld, const Matrix4& fromWorld);
+
+  struct Space {
+    float toWorld[12];
+    float fromWorld[12];
+  };
+  /// Null when there is none of that name.
+  const Space* find(std::uint64_t nameHash) const;
+
+ private:
+  std::map<std::uint64_t, Space> spaces_;
+};
+
+/// One record that a kernel left.
+struct Record {
+  std::uint32_t kind = 0;
+  std::uint32_t site = 0;
+  std::uint32_t lane = 0;
+  std::vector<AerosolRecordValue> values;
+};
+
+/// The context that kernels of one thread run with.
+class KernelHost {
+ public:
+  KernelHost(const NamedSpaces& spaces, std::uint32_t loopBudget);
+  KernelHost(const KernelHost&) = delete;
+  KernelHost& operator=(const KernelHost&) = delete;
+
+  AerosolKernelContext* context() { return &context_.base; }
+  const AerosolKernelCounters& counters() const { return context_.base.counters; }
+
+  /// The records since the last call, in call order. The caller empties them.
+  std::vector<Record>& records() { return records_; }
+
+ private:
+  struct Context {
+    AerosolKernelContext base;  // First: kernels and services see its address.
+    KernelHost* host;
+  };
+  static KernelHost& of(AerosolKernelContext* context) { return *reinterpret_cast<Context*>(context)->host; }
+  static void record(AerosolKernelContext* context, std::uint32_t kind, std::uint32_t site, std::uint32_t lane,
+                     const AerosolRecordValue* arguments, std::uint32_t count);
+  static std::int32_t spaceToWorld(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance,
+                                   float time, float* matrix);
+  static std::int32_t worldToSpace(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance,
+                                   float time, float* matrix);
+
+  static const AerosolHostServices services_;
+  Context context_;
+  const NamedSpaces& spaces_;
+  std::vector<Record> records_;
+};
+
+}  // namespace aerosol::shading

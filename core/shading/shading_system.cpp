@@ -1,0 +1,197 @@
+#include "core/shading/shading_system.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <thread>
+
+#include "core/base/hash.h"
+
+namespace aerosol::shading {
+
+using lang::ConstantValue;
+
+std::optional<std::uint32_t> findParameter(const lang::Program& program, const std::string& name) {
+  for (std::uint32_t i = 0; i < program.parameters.size(); ++i) {
+    if (program.parameters[i].name == name && !program.parameters[i].isOutput) return i;
+  }
+  return {};
+}
+
+const ConstantValue* valueOf(const lang::Program& program, const Instance& instance, std::uint32_t parameter) {
+  for (const ParameterValue& given : instance.values) {
+    if (given.parameter == parameter) return &given.value;
+  }
+  const lang::Parameter& p = program.parameters[parameter];
+  return p.hasConstantDefault ? &p.defaultValue : nullptr;
+}
+
+InstanceRef ShadingSystem::add(std::shared_ptr<const lang::Program> program, Instance instance) {
+  std::uint32_t f = 0;
+  while (f < families_.size() && families_[f].program != program) ++f;
+  if (f == families_.size()) {
+    families_.emplace_back();
+    families_.back().program = std::move(program);
+  }
+  families_[f].instances.push_back(std::move(instance));
+  return {f, static_cast<std::uint32_t>(families_[f].instances.size() - 1)};
+}
+
+namespace {
+
+/// Parameters with one value in all instances. Bits decide, so that -0 and 0 stay apart.
+std::vector<jit::FoldedParameter> foldedParameters(const Family& family) {
+  const auto sameBits = [](const ConstantValue& a, const ConstantValue& b) {
+    if (a.index() != b.index()) return false;
+    if (const auto* x = std::get_if<std::vector<float>>(&a)) {
+      const auto& y = std::get<std::vector<float>>(b);
+      return x->size() == y.size() && std::memcmp(x->data(), y.data(), x->size() * sizeof(float)) == 0;
+    }
+    return a == b;
+  };
+  std::vector<jit::FoldedParameter> folded;
+  for (std::uint32_t p = 0; p < family.program->parameters.size(); ++p) {
+    const ConstantValue* first = valueOf(*family.program, family.instances[0], p);
+    bool equal = true;
+    for (const Instance& instance : family.instances) {
+      const ConstantValue* other = valueOf(*family.program, instance, p);
+      equal = equal && (first && other ? sameBits(*first, *other) : first == other);
+    }
+    if (equal) folded.push_back({p, first ? *first : ConstantValue{}});
+  }
+  return folded;
+}
+
+std::vector<lang::Output> outputsOf(const lang::Program& program, Variant variant) {
+  using lang::OutputKind;
+  std::size_t lobes = 0;
+  bool emits = false;
+  for (const lang::Output& output : program.outputs) lobes += output.kind == OutputKind::lobeAnisotropy;
+  for (const lang::ClosureSite& site : program.closureSites) emits = emits || site.closure == "emission";
+  std::vector<lang::Output> chosen;
+  for (const lang::Output& output : program.outputs) {
+    bool wanted = false;
+    switch (variant) {
+      case Variant::coefficients:
+        wanted = output.kind == OutputKind::sigmaT || output.kind == OutputKind::sigmaS ||
+                 output.kind == OutputKind::lobeAnisotropy || (output.kind == OutputKind::emission && emits) ||
+                 (output.kind == OutputKind::lobeSigmaS && lobes > 1);
+        break;
+      case Variant::extinction:
+        wanted = output.kind == OutputKind::sigmaT;
+        break;
+      case Variant::surface:
+        wanted = output.kind == OutputKind::siteWeight || output.kind == OutputKind::siteParameter;
+        break;
+    }
+    if (wanted) chosen.push_back(output);
+  }
+  return chosen;
+}
+
+void writeMatrix(const Matrix4& m, float* rows) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) rows[4 * i + j] = static_cast<float>(m[i][j]);
+  }
+}
+
+void writeField(const jit::InstanceField& field, const ConstantValue* value, unsigned char* block, Family& family) {
+  unsigned char* at = block + field.offset;
+  if (field.isSetFlag) {
+    const std::int32_t isSet = value != nullptr;
+    std::memcpy(at, &isSet, sizeof isSet);
+    return;
+  }
+  if (!value) return;
+  if (const auto* floats = std::get_if<std::vector<float>>(value)) {
+    std::memcpy(at, floats->data(), floats->size() * sizeof(float));
+  } else if (const auto* ints = std::get_if<std::vector<std::int32_t>>(value)) {
+    std::memcpy(at, ints->data(), ints->size() * sizeof(std::int32_t));
+  } else if (const auto* texts = std::get_if<std::vector<std::string>>(value)) {
+    for (std::size_t i = 0; i < texts->size(); ++i) {
+      const std::uint64_t hash = hashString((*texts)[i]);
+      std::memcpy(at + i * sizeof hash, &hash, sizeof hash);
+      family.strings.emplace_back(hash, (*texts)[i]);
+    }
+  }
+}
+
+void writeInstanceData(Family& family, const jit::KernelInterface& interface) {
+  const std::size_t stride = interface.instanceStride;
+  family.instanceData.assign(stride * family.instances.size(), 0);
+  for (std::size_t i = 0; i < family.instances.size(); ++i) {
+    const Instance& instance = family.instances[i];
+    unsigned char* block = family.instanceData.data() + i * stride;
+    AerosolInstanceHeader header;
+    writeMatrix(instance.objectToWorld.matrix(), header.objectToWorld);
+    writeMatrix(instance.objectToWorld.inverseMatrix(), header.worldToObject);
+    // A shader's own space is where it is placed: its object's.
+    writeMatrix(instance.objectToWorld.matrix(), header.shaderToWorld);
+    writeMatrix(instance.objectToWorld.inverseMatrix(), header.worldToShader);
+    std::memcpy(block, &header, sizeof header);
+    for (const jit::InstanceField& field : interface.fields) {
+      const ConstantValue* value = valueOf(*family.program, instance, field.parameter);
+      const bool given = std::any_of(instance.values.begin(), instance.values.end(),
+                                     [&](const ParameterValue& v) { return v.parameter == field.parameter; });
+      writeField(field, field.isSetFlag && !given ? nullptr : value, block, family);
+    }
+  }
+}
+
+}  // namespace
+
+Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions& options) {
+  struct Job {
+    Family* family;
+    Variant variant;
+    Diagnostics errors;
+  };
+  std::vector<Job> jobs;
+  for (Family& family : families_) {
+    if (family.program->isVolume()) {
+      jobs.push_back({&family, Variant::coefficients, {}});
+      jobs.push_back({&family, Variant::extinction, {}});
+    } else {
+      jobs.push_back({&family, Variant::surface, {}});
+    }
+  }
+  const auto run = [&](Job& job) {
+    jit::KernelRequest request;
+    request.program = job.family->program;
+    request.outputs = outputsOf(*request.program, job.variant);
+    request.folded = foldedParameters(*job.family);
+    request.severalInstances = job.family->instances.size() > 1;
+    request.counters = options.counters;
+    request.messages = job.variant != Variant::extinction;
+    request.target = options.target;
+    auto kernel = compiler.compile(request);
+    if (!kernel) {
+      job.errors = kernel.errors();
+      return;
+    }
+    job.family->kernels[static_cast<std::size_t>(job.variant)] = std::move(*kernel);
+  };
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < jobs.size(); i = next++) run(jobs[i]);
+  };
+  {
+    std::vector<std::jthread> threads;
+    const std::size_t count = std::min<std::size_t>(jobs.size(), std::max(1u, std::thread::hardware_concurrency()));
+    for (std::size_t i = 1; i < count; ++i) threads.emplace_back(work);
+    work();
+  }
+  Diagnostics errors;
+  for (Job& job : jobs) {
+    if (job.variant == Variant::extinction && errors.hasErrors()) continue;  // The full variant said it already.
+    errors.append(job.errors);
+  }
+  if (errors.hasErrors()) return errors;
+  for (Family& family : families_) {
+    const Variant any = family.program->isVolume() ? Variant::coefficients : Variant::surface;
+    writeInstanceData(family, family.kernel(any).interface());
+  }
+  return errors;
+}
+
+}  // namespace aerosol::shading

@@ -1,0 +1,82 @@
+// All shader instances of a scene and the kernels that run them.
+//
+// Instances of one program form a family and share kernels: a parameter that is equal in all of them is folded into the
+// code, the others are read per lane from the instance's block. That is the whole rule: no instance has a kernel of its
+// own. A family has a kernel a variant, a variant being a set of results.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/geometry.h"
+#include "core/base/result.h"
+#include "core/jit/compiler.h"
+
+namespace aerosol::shading {
+
+enum class Variant : std::uint8_t {
+  coefficients,  ///< Volumes: everything.
+  extinction,    ///< Volumes: sigmaT alone, for shadow rays; no messages.
+  surface,       ///< Surfaces: weights and parameters of all closure sites.
+};
+inline constexpr std::size_t variantCount = 3;
+
+/// A value that an instance gives to a parameter; its type is that of the program's parameter.
+struct ParameterValue {
+  std::uint32_t parameter = 0;  ///< Index into the program's parameters.
+  lang::ConstantValue value;
+};
+
+/// Finds a parameter by name; nothing when the program has none. Output parameters are not settable.
+std::optional<std::uint32_t> findParameter(const lang::Program& program, const std::string& name);
+
+struct Instance {
+  std::vector<ParameterValue> values;
+  Transform<World, Object> objectToWorld;
+};
+
+/// An instance's place: its family, and its index there.
+struct InstanceRef {
+  std::uint32_t family = 0;
+  std::uint32_t index = 0;
+};
+
+struct Family {
+  std::shared_ptr<const lang::Program> program;
+  std::vector<Instance> instances;
+  std::array<std::optional<jit::Kernel>, variantCount> kernels;
+  std::vector<unsigned char>
+      instanceData;  ///< Blocks of all instances, shared by the variants. 64-byte aligned use is not assumed.
+  std::vector<std::pair<std::uint64_t, std::string>> strings;  ///< Of string parameters read from blocks.
+
+  const jit::Kernel& kernel(Variant variant) const { return *kernels[static_cast<std::size_t>(variant)]; }
+};
+
+struct ShadingOptions {
+  jit::Target target;
+  bool counters = false;
+};
+
+class ShadingSystem {
+ public:
+  /// `program` is the family's key: the same object means the same family.
+  InstanceRef add(std::shared_ptr<const lang::Program> program, Instance instance);
+
+  /// Compiles all variants of all families, in parallel. Errors carry positions in the sources.
+  Diagnostics compile(jit::Compiler& compiler, const ShadingOptions& options);
+
+  const std::vector<Family>& families() const { return families_; }
+  const Family& family(InstanceRef instance) const { return families_[instance.family]; }
+
+ private:
+  std::vector<Family> families_;
+};
+
+/// The value that an instance gives, or the constant default; null when the program computes the default.
+const lang::ConstantValue* valueOf(const lang::Program& program, const Instance& instance, std::uint32_t parameter);
+
+}  // namespace aerosol::shading

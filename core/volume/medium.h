@@ -1,0 +1,63 @@
+// One medium as trackers see it, and the evaluator through which they ask for its coefficients.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "core/base/geometry.h"
+#include "core/volume/coefficients.h"
+#include "core/volume/frame_stack.h"
+
+namespace aerosol::volume {
+
+enum class DistanceMethod : std::uint8_t {
+  closedForm,     ///< Constant coefficients.
+  marching,       ///< Ray marching: biased, no noise of its own in transmittance.
+  nullScattering  ///< Delta and ratio tracking under a bound: unbiased.
+};
+
+/// A medium placed in the scene. Const after preparation.
+struct Medium {
+  std::uint32_t index = 0;  ///< The evaluator's key.
+  DistanceMethod method = DistanceMethod::marching;
+  std::optional<Coefficients> constant;  ///< Set when the compiled shader reads nothing that varies.
+  std::optional<ExtinctionBound> bound;  ///< On the largest channel of extinction, everywhere in the medium.
+  float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
+  bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
+};
+
+/// What a query wants computed.
+enum class Quantity : std::uint8_t { coefficients, extinction };
+
+/// Counts of one thread's trackers.
+struct TrackerStatistics {
+  std::uint64_t points = 0;           ///< Shader points asked for by trackers.
+  std::uint64_t boundViolations = 0;  ///< Points whose extinction exceeded the bound in force.
+  float worstViolation = 0;           ///< Largest extinction / bound seen.
+  std::uint32_t worstMedium = 0;      ///< Where it was seen.
+  std::uint64_t stepLimits = 0;       ///< Segments given up after `maximumSteps` collisions.
+};
+
+inline constexpr int maximumSteps =
+    1 << 22;  ///< Tentative collisions in one segment before it is given up and counted.
+
+/// The trackers' door to the shaders. A tracker asks for any number of points, suspends once, and reads the answers in
+/// the order of the questions. They stay valid until the next `ask`. For `Quantity::extinction` only sigmaT is set.
+template <class E>
+concept Evaluator =
+    HasFrames<E> && requires(E& evaluator, const Medium& medium, Point<World> point, Quantity quantity) {
+      evaluator.ask(medium, point, quantity);
+      { evaluator.answers().await_resume() } -> std::convertible_to<std::span<const Coefficients>>;
+      { evaluator.trackerStatistics() } -> std::same_as<TrackerStatistics&>;
+    };
+
+/// A stream of numbers in [0, 1).
+template <class R>
+concept UniformSource = requires(R& random) {
+  { random.next() } -> std::convertible_to<float>;
+};
+
+}  // namespace aerosol::volume

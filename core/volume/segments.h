@@ -1,0 +1,42 @@
+// From overlapping spans to disjoint segments with a constant set of media (talk: "sort and split").
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/volume/medium.h"
+
+namespace aerosol::volume {
+
+/// Where a ray is inside one medium: t0 <= t1, distances along the ray.
+struct MediumSpan {
+  float t0 = 0;
+  float t1 = 0;
+  const Medium* medium = nullptr;
+};
+
+/// A part of a ray in which the set of media does not change.
+struct Segment {
+  float t0 = 0;
+  float t1 = 0;
+  std::span<const Medium* const> media;
+};
+
+/// Disjoint segments in order along the ray. Keeps its memory between rays.
+class SegmentList {
+ public:
+  /// Splits spans at each other's ends. Spans of zero length vanish; gaps between segments are empty space. Media of a
+  /// segment stand in the order of the spans given.
+  void assign(std::span<const MediumSpan> spans);
+
+  std::span<const Segment> segments() const { return segments_; }
+
+ private:
+  std::vector<float> boundaries_;
+  std::vector<const Medium*> media_;
+  std::vector<std::uint32_t> ends_;
+  std::vector<Segment> segments_;
+};
+
+}  // namespace aerosol::volume

@@ -1,0 +1,44 @@
+// Spectral multiple importance sampling over the three channels (Wilkie et al. 2014, "Hero wavelength spectral
+// sampling"; Kutz et al. 2017, section 4): a distance is sampled for one channel and weighted by the mixture over all
+// of them.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/color.h"
+
+namespace aerosol::volume {
+
+/// Probability of each channel, in proportion to the path's throughput; equal where it is black or not finite.
+struct ChannelMixture {
+  Color probability{1.0f / 3};
+
+  explicit ChannelMixture(Color throughput) {
+    const Color magnitude = abs(throughput);
+    const float sum = magnitude.r + magnitude.g + magnitude.b;
+    if (sum > 0 && std::isfinite(sum)) probability = magnitude / sum;
+  }
+
+  /// Channel for u in [0, 1); u becomes a fresh number in [0, 1).
+  int choose(float& u) const {
+    for (int c = 0; c < 2; ++c) {
+      if (u < probability[c]) {
+        u = std::min(u / probability[c], 0x1.fffffep-1f);
+        return c;
+      }
+      u -= probability[c];
+    }
+    u = probability.b > 0 ? std::min(u / probability.b, 0x1.fffffep-1f) : 0.0f;
+    return probability.b > 0 ? 2 : probability.g > 0 ? 1 : 0;
+  }
+
+  /// Mixture of the channels' values.
+  float mix(Color c) const { return probability.r * c.r + probability.g * c.g + probability.b * c.b; }
+};
+
+/// (1 - exp(-x)) / x, exact to rounding as x → 0.
+inline float oneMinusExpOverX(float x) { return std::fabs(x) < 1e-8f ? 1.0f : -std::expm1(-x) / x; }
+inline Color oneMinusExpOverX(Color x) { return {oneMinusExpOverX(x.r), oneMinusExpOverX(x.g), oneMinusExpOverX(x.b)}; }
+
+}  // namespace aerosol::volume

@@ -1,0 +1,145 @@
+// Path tracing through surfaces and media with next-event estimation and multiple importance sampling.
+//
+// Kulla 2019, "Path Tracing in Production – Volumes": the ray is cut into segments; a distance is sampled; closer than
+// the surface the path scatters in the medium with weight σs T / pdf, otherwise it goes on at the surface with weight T
+// / P.
+
+#include "core/render/direct_light.h"
+#include "core/render/medium_walk.h"
+#include "core/render/prepared_scene.h"
+#include "core/render/registry.h"
+#include "core/render/surface_closures.h"
+
+namespace aerosol::render {
+
+namespace {
+
+using volume::DistanceEvent;
+using volume::Medium;
+using volume::Task;
+
+/// A path as it grows.
+struct PathState {
+  Ray<World> ray;
+  Color throughput{1.0f};
+  DirectionRecord direction;               ///< How the ray's direction was found.
+  const Medium* boundaryMedium = nullptr;  ///< Surface-defined medium around the ray.
+  int length = 1;                          ///< Segments so far, this ray's included.
+};
+
+void continueFrom(PathState& state, Point<World> origin, Vector<World> direction, Color weight) {
+  state.throughput *= weight;
+  state.ray.origin = origin;
+  state.ray.direction = direction;
+  state.ray.tMin = 0;
+  state.ray.tMax = std::numeric_limits<float>::infinity();
+  ++state.length;
+}
+
+/// Scatters in a medium. False when the path ends.
+Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance,
+                           const volume::DistanceSample& event) {
+  const PreparedScene& scene = path.scene();
+  const MediumVertex vertex(*scene.phase, accel::pointAt(state.ray, event.t), state.ray.direction, event.anisotropy);
+  if (state.length == scene.path.maxDepth) co_return false;
+  radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time, state.boundaryMedium);
+  const volume::PhaseSample next = vertex.sample(path.random().next2D());
+  state.direction = {vertex.position(), next.pdf, next.isDelta};
+  continueFrom(state, vertex.position(), next.direction, Color(next.weight));
+  co_return true;
+}
+
+/// Emission and scattering at an opaque surface. False when the path ends.
+Task<bool> scatterOnSurface(PathContext& path, PathState& state, Radiance& radiance, const accel::SurfaceHit& hit) {
+  const PreparedScene& scene = path.scene();
+  const PreparedObject& object = scene.objects[hit.object];
+  const bool isHidden = scene.path.hideEmitters && state.length == 1;
+  if (object.light && !isHidden) {
+    radiance.color += state.throughput * metLight(scene, *object.light, hit, state.ray.direction, state.direction);
+  }
+  const shading::ShadingPoint point = shadingPointOf(hit, state.ray);
+  const SurfaceAnswer& answer = co_await path.shade(object.material, point);
+  const SurfaceClosures closures(object, answer, hit, state.ray.direction);
+  radiance.color += state.throughput * closures.mix().emitted();
+  if (state.length == scene.path.maxDepth) co_return false;
+
+  const SurfaceVertex vertex(hit, closures.mix());
+  radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time, state.boundaryMedium);
+  ClosureUniforms uniforms;
+  uniforms.place = path.random().next2D();
+  uniforms.choice = path.random().next1D();
+  const std::optional<ClosureSample> next = closures.mix().sample(uniforms);
+  if (!next) co_return false;
+  if (dot(next->direction, hit.geometricNormal) * dot(state.ray.direction, hit.geometricNormal) > 0) {
+    state.boundaryMedium = hit.entering ? object.interior : object.exterior;
+  }
+  state.direction = {hit.point, next->pdf, next->isDelta};
+  continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight);
+  co_return true;
+}
+
+/// Russian roulette on the throughput. False when the path ends.
+bool survivesRoulette(PathContext& path, PathState& state) {
+  if (isBlack(state.throughput)) return false;
+  if (state.length <= path.scene().path.rrDepth) return true;
+  const float survival = std::min(maximum(abs(state.throughput)), 0.95f);
+  if (!(path.random().nextHash() < survival)) return false;
+  state.throughput = state.throughput / survival;
+  return true;
+}
+
+Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
+  const PreparedScene& scene = path.scene();
+  Radiance radiance;
+  PathState state{.ray = cameraRay, .boundaryMedium = scene.cameraMedium};
+  std::optional<accel::HitKey> passed;  // The boundary that this ray has just gone through.
+  bool goesOn = true;
+  while (goesOn) {
+    const auto hit =
+        scene.geometry->closestHit(state.ray, path.spans, path.statistics().accel, passed ? &*passed : nullptr);
+    const float begin = passed ? static_cast<float>(passed->t) : state.ray.tMin;
+    findSegments(path, begin, hit ? static_cast<float>(hit->t) : state.ray.tMax, state.boundaryMedium);
+    path.setRay(state.ray);
+    const volume::DistanceSample event = co_await sampleDistance(path, state.ray, state.throughput);
+    radiance.color += state.throughput * event.emission;
+    state.throughput *= event.weight;
+    if (event.event == DistanceEvent::absorbed) break;
+
+    if (event.event == DistanceEvent::scattered) {
+      radiance.alpha = 1;
+      passed.reset();
+      goesOn = co_await scatterInMedium(path, state, radiance, event) && survivesRoulette(path, state);
+    } else if (!hit) {
+      const bool isHidden = scene.path.hideEmitters && state.length == 1;
+      if (!isHidden) radiance.color += state.throughput * escapedLight(scene, state.ray.direction, state.direction);
+      if (!isHidden && !scene.lights.infinite().empty()) radiance.alpha = 1;
+      goesOn = false;
+    } else if (scene.objects[hit->object].isBoundary) {
+      state.boundaryMedium = hit->entering ? scene.objects[hit->object].interior : scene.objects[hit->object].exterior;
+      passed = hit->key();
+    } else {
+      radiance.alpha = 1;
+      passed.reset();
+      goesOn = co_await scatterOnSurface(path, state, radiance, *hit) && survivesRoulette(path, state);
+    }
+    path.statistics().pathVertices += goesOn;
+  }
+  co_return radiance;
+}
+
+class PathIntegrator final : public Integrator {
+ public:
+  Task<Radiance> trace(PathContext& path, const Ray<World>& cameraRay) const override {
+    return tracePath(path, cameraRay);
+  }
+};
+
+}  // namespace
+
+void registerIntegrator_path(Registry& registry) {
+  registry.add(NamedIntegrator{.name = "path",
+                               .doc = "Path tracing through surfaces and media with light sampling",
+                               .integrator = std::make_shared<const PathIntegrator>()});
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,59 @@
+// A shape that shines: the same radiance from every point of its outside, in every direction.
+
+#include <numbers>
+
+#include "core/render/registry.h"
+
+namespace aerosol::render {
+
+namespace {
+
+class AreaLight final : public Light {
+ public:
+  AreaLight(std::shared_ptr<const LightSurface> surface, Color radiance)
+      : surface_(std::move(surface)), radiance_(radiance) {}
+
+  std::optional<LightSample> sample(Point<World> from, const LightUniforms& u) const override {
+    const std::optional<SurfaceSample> s = surface_->sample(from, u);
+    if (!s) return {};
+    return LightSample{.direction = s->direction,
+                       .distance = s->distance,
+                       .value = radiance_,
+                       .pdf = s->pdf,
+                       .point = s->point,
+                       .normal = s->normal};
+  }
+
+  float pdf(Point<World> from, const LightHit& hit) const override { return surface_->pdf(from, hit); }
+  Color emitted(const LightHit& hit) const override { return dot(hit.direction, hit.normal) < 0 ? radiance_ : Color(); }
+
+  Color power(float) const override {
+    return radiance_ * (std::numbers::pi_v<float> * static_cast<float>(surface_->area()));
+  }
+  bool isDelta() const override { return false; }
+  bool isInfinite() const override { return false; }
+
+ private:
+  std::shared_ptr<const LightSurface> surface_;
+  Color radiance_;
+};
+
+std::unique_ptr<const Light> make(const LightArguments& arguments) {
+  return std::make_unique<AreaLight>(arguments.surface, arguments.get<Color>("radiance"));
+}
+
+}  // namespace
+
+void registerLight_area(Registry& registry) {
+  registry.add(LightType{.name = "area",
+                         .doc = "A shape that shines on the side of its normals",
+                         .parameters = {{.name = "radiance",
+                                         .type = scene::ValueType::color,
+                                         .unit = "W/(m² sr)",
+                                         .doc = "Radiance of its outside",
+                                         .defaultValue = Color(1)}},
+                         .needsSurface = true,
+                         .make = make});
+}
+
+}  // namespace aerosol::render

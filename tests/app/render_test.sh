@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# aerosol render: files, options, exit codes.
+source "${BASH_SOURCE[0]%/*}/library.sh"
+
+echo "-- without -o a PNG named after the scene"
+expect 0 render "$input/fog.xml"
+hasOnly "./fog.png"
+said err "100%"
+said err "wrote fog.png: 32 x 24 pixels, 2 samples a pixel"
+silent out
+rm fog.png
+
+echo "-- several outputs, a crop, definitions and overrides"
+expect 0 render "$input/fog.xml" -o a.exr -o a.png --crop 4,6,10,8 -D spp=3 --set fog.density=1 --seed 5 --quiet
+hasOnly "./a.exr ./a.png"
+silent err
+silent out
+for entry in aerosol:spp aerosol:sppMinimum aerosol:seed aerosol:embreeIsa aerosol:version aerosol:renderSeconds \
+  aerosol:endSample; do
+  grep -qaF "$entry" a.exr || fail "no $entry in the metadata"
+done
+rm a.exr a.png
+
+echo "-- statistics"
+expect 0 render "$input/fog.xml" -o a.exr --quiet --stats
+said err "shader points"
+said err "kernel calls"
+said err "filled by batches"
+expect 0 render "$input/fog.xml" -o a.exr --quiet --count-lanes --threads 1 --width 4
+said err "at work inside shaders"
+said err "on 1 thread,"
+rm a.exr
+
+echo "-- bad input"
+expect 1 render missing.xml
+said err "missing.xml: error:"
+expect 1 render "$input/fog.xml" -D sp=4
+said err "sp"
+expect 1 render "$input/fog.xml" --set fog.densty=4
+said err "densty"
+expect 1 render "$input/fog.xml" --crop 30,0,3,3
+said err "reaches beyond the film of 32 x 24 pixels"
+expect 1 render "$input/fog.xml" -o no/such/folder/a.exr
+said err "no/such/folder/a.exr: error:"
+mkdir taken.exr
+expect 1 render "$input/fog.xml" -o taken.exr
+rmdir taken.exr
+if [ "$(id -u)" != 0 ]; then
+  mkdir -m 555 locked
+  expect 1 render "$input/fog.xml" -o locked/a.exr
+  said err "locked/a.exr: error:"
+  rmdir locked
+fi
+OCIO=$work/no_such_config.ocio expect 1 render "$input/fog.xml" -o a.png
+said err "a.png: error:"
+hasOnly ""
+
+echo "-- the shader path of the environment"
+mkdir shaders
+sed 's/volume fog/volume mist/' "$input/fog.osl" >shaders/mist.osl
+sed 's/type="fog" id="fog"/type="mist"/' "$input/fog.xml" >mist.xml
+expect 1 render mist.xml --quiet
+said err "unknown shader 'mist'"
+AEROSOL_SHADER_PATH=/nowhere:$work/shaders expect 0 render mist.xml --quiet
+expect 0 render mist.xml --quiet --shader-path shaders

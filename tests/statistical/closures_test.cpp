@@ -1,0 +1,249 @@
+#include <gtest/gtest.h>
+
+#include "core/render/closure_mix.h"
+#include "core/render/registry.h"
+#include "plugins/registration.h"
+#include "tests/statistical/direction_grid.h"
+#include "tests/statistical/statistics.h"
+
+// Every registered closure, with parameters over their ranges, tilted shading normals and viewers from steep to
+// grazing: samples as the density says, no energy gained, albedo as stated.
+
+namespace aerosol::render {
+namespace {
+
+using test::agrees;
+using test::countsAgree;
+using test::DirectionGrid;
+using test::RunningMean;
+using test::seedOfTest;
+using test::Uniforms;
+using Parameters = std::vector<float>;
+
+const Normal<World> geometricNormal = normalize(Normal<World>(0.3f, -0.5f, 0.8f));
+constexpr int sampleCount = 200000;
+
+Registry allPlugins() {
+  Registry registry;
+  registerPlugins(registry);
+  return registry;
+}
+
+/// The direction at `angle` from the geometric normal.
+Vector<World> tilted(double angle, double turn) {
+  const Frame<World> frame(geometricNormal.vector());
+  return normalize(frame.at(static_cast<float>(std::sin(angle) * std::cos(turn)),
+                            static_cast<float>(std::sin(angle) * std::sin(turn)), static_cast<float>(std::cos(angle))));
+}
+
+/// Directions are shading normals, `tilt` off the geometric one; numbers lie at `place` of their range.
+Parameters parametersAt(const Closure& closure, double place, double tilt) {
+  Parameters parameters;
+  for (const DescribedField& field : closure.fields()) {
+    if (field.type == FieldType::direction) {
+      const Vector<World> n = tilted(tilt, 1);
+      parameters.insert(parameters.end(), {n.x, n.y, n.z});
+    } else {
+      parameters.push_back(field.minimum + static_cast<float>(place) * (field.maximum - field.minimum));
+    }
+  }
+  return parameters;
+}
+
+/// Chi-squared of the directions, absorbed ones in a cell of their own; pdf and weight of each; mean weight against the
+/// integral of the closure.
+::testing::AssertionResult samplesMatch(const Closure& closure, const Parameters& p, const ClosurePoint& point,
+                                        Uniforms& random) {
+  const DirectionGrid grid(geometricNormal.vector(), 2, 20, 16);
+  std::vector<double> expected = grid.integrateCells([&](Vector<World> d) { return closure.pdf(p, point, d); }, 10);
+  const std::vector<double> values =
+      grid.integrateCells([&](Vector<World> d) { return closure.evaluate(p, point, d).g; }, 10);
+  double total = 0, energy = 0;
+  for (double& e : expected) {
+    total += e;
+    e *= sampleCount;
+  }
+  for (const double v : values) energy += v;
+  if (total > 1 + 1e-3 || energy > 1 + 1e-3) {
+    return ::testing::AssertionFailure() << "pdf integrates to " << total << ", the closure to " << energy;
+  }
+  expected.push_back(std::max(0.0, 1 - total) * sampleCount);
+  std::vector<double> observed(expected.size());
+  RunningMean weights;
+  for (int i = 0; i < sampleCount; ++i) {
+    const auto s = closure.sample(p, point, {random.next(), random.next2D()});
+    weights.add(s ? static_cast<double>(s->weight.g) : 0);
+    ++observed[s ? grid.cell(s->direction) : grid.cellCount()];
+    if (!s) continue;
+    const float density = closure.pdf(p, point, s->direction);
+    const Color value = closure.evaluate(p, point, s->direction), weighted = s->weight * s->pdf;
+    if (std::fabs(density - s->pdf) > 1e-4f * s->pdf || maximum(abs(value - weighted)) > 1e-4f * maximum(value)) {
+      return ::testing::AssertionFailure() << "a sample says pdf " << s->pdf << ", the closure " << density;
+    }
+  }
+  if (const auto result = countsAgree(observed, expected); !result) return result;
+  return agrees(weights, energy);
+}
+
+::testing::AssertionResult check(const Closure& closure, const Parameters& p, const ClosurePoint& point,
+                                 Uniforms& random) {
+  const Color albedo = closure.albedo(p, point);
+  if (minimum(albedo) < 0 || maximum(albedo) > 1) return ::testing::AssertionFailure() << "albedo out of range";
+  if (closure.kind() == ClosureKind::scattering) return samplesMatch(closure, p, point, random);
+  const auto s = closure.sample(p, point, {random.next(), random.next2D()});
+  const Vector<World> anywhere = tilted(0.4, 2);
+  if (!isBlack(closure.evaluate(p, point, anywhere)) || closure.pdf(p, point, anywhere) != 0) {
+    return ::testing::AssertionFailure() << "scatters, though it says otherwise";
+  }
+  if (closure.kind() == ClosureKind::emission) {
+    return !s && isBlack(albedo) && !isBlack(closure.emitted(p, point)) ? ::testing::AssertionSuccess()
+                                                                        : ::testing::AssertionFailure();
+  }
+  const bool passes = s && s->isDelta && s->isPassing && s->direction == -point.toViewer && s->weight == albedo;
+  return passes ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << "does not pass straight on";
+}
+
+TEST(Closures, EveryRegisteredOne) {
+  const Registry registry = allPlugins();
+  ASSERT_FALSE(registry.closures().empty());
+  std::uint64_t setting = 0;
+  for (const auto& closure : registry.closures()) {
+    ASSERT_EQ(registry.closure(closure->name()), closure.get()) << "names are unique";
+    for (const double tilt : {0.0, 0.5}) {
+      for (const double view : {0.0, 0.8, 1.5}) {
+        for (const double place : {0.05, 0.5, 1.0}) {
+          const Parameters p = parametersAt(*closure, place, tilt);
+          Uniforms random(seedOfTest(setting++));
+          EXPECT_TRUE(check(*closure, p, {tilted(view, 4), geometricNormal}, random))
+              << closure->name() << ' ' << ::testing::PrintToString(p) << " view " << view;
+          if (closure->fields().empty()) break;
+        }
+      }
+    }
+  }
+}
+
+TEST(Closures, AlbedoIsTheMeanWeightSeenStraightOn) {
+  const Registry registry = allPlugins();
+  for (const auto& closure : registry.closures()) {
+    if (closure->kind() == ClosureKind::emission) continue;
+    const Parameters p = parametersAt(*closure, 0.5, 0);
+    const ClosurePoint point{tilted(0.2, 4), geometricNormal};
+    Uniforms random(seedOfTest());
+    RunningMean weights;
+    for (int i = 0; i < 50000; ++i) {
+      const auto s = closure->sample(p, point, {random.next(), random.next2D()});
+      weights.add(s ? static_cast<double>(s->weight.g) : 0);
+    }
+    EXPECT_TRUE(agrees(weights, static_cast<double>(closure->albedo(p, point).g))) << closure->name();
+  }
+}
+
+/// A mixture is a closure like any other: tested as one.
+class Mixture final : public Closure {
+ public:
+  Mixture(std::span<const WeightedClosure> terms, const ClosurePoint& point) : mix_(terms, point) {}
+  std::string_view name() const override { return "mixture"; }
+  std::string_view doc() const override { return ""; }
+  std::span<const DescribedField> fields() const override { return {}; }
+  ClosureKind kind() const override { return ClosureKind::scattering; }
+  Color evaluate(std::span<const float>, const ClosurePoint&, Vector<World> d) const override {
+    return mix_.evaluate(d);
+  }
+  float pdf(std::span<const float>, const ClosurePoint&, Vector<World> d) const override { return mix_.pdf(d); }
+  std::optional<ClosureSample> sample(std::span<const float>, const ClosurePoint&,
+                                      const ClosureUniforms& u) const override {
+    return mix_.sample(u);
+  }
+
+ private:
+  ClosureMix mix_;
+};
+
+TEST(Closures, MixturesOfScatteringClosures) {
+  const Registry registry = allPlugins();
+  const ClosurePoint point{tilted(0.5, 4), geometricNormal};
+  std::vector<Parameters> parameters;
+  std::vector<WeightedClosure> terms;
+  parameters.reserve(100);
+  for (const double tilt : {0.1, 0.4}) {
+    for (const auto& closure : registry.closures()) {
+      if (closure->kind() != ClosureKind::scattering) continue;
+      parameters.push_back(parametersAt(*closure, 0.5, tilt));
+      const float weight = tilt < 0.2 ? 0.2f : 0.5f;
+      terms.push_back({closure.get(), Color(0.1f, weight, 0.3f), parameters.back()});
+    }
+  }
+  Uniforms random(seedOfTest());
+  EXPECT_TRUE(samplesMatch(Mixture(terms, point), {}, point, random));
+}
+
+TEST(Closures, AMixtureWithTransparencyKeepsBothParts) {
+  const Registry registry = allPlugins();
+  const ClosurePoint point{tilted(0.5, 4), geometricNormal};
+  const Vector<World> n = tilted(0, 0);
+  const Parameters normal{n.x, n.y, n.z};
+  const WeightedClosure terms[] = {{registry.closure("diffuse"), Color(0.5f), normal},
+                                   {registry.closure("transparent"), Color(0.3f), {}},
+                                   {registry.closure("emission"), Color(7), {}}};
+  const ClosureMix mix(terms, point);
+  EXPECT_EQ(mix.emitted(), Color(7));
+  EXPECT_EQ(mix.transparency(), Color(0.3f));
+  EXPECT_FALSE(mix.isPassing());
+  Uniforms random(seedOfTest());
+  RunningMean reflected, passed;
+  for (int i = 0; i < 200000; ++i) {
+    const auto s = mix.sample({random.next(), random.next2D()});
+    reflected.add(s && !s->isPassing ? static_cast<double>(s->weight.r) : 0);
+    passed.add(s && s->isPassing ? static_cast<double>(s->weight.r) : 0);
+  }
+  EXPECT_TRUE(agrees(reflected, 0.5));
+  EXPECT_TRUE(agrees(passed, 0.3, 0.005));
+}
+
+/// Another closure with one thing 2% wrong.
+class Planted final : public Closure {
+ public:
+  enum class Fault { none, value, pdf, weight, sampling };
+  Planted(const Closure& inner, Fault fault) : inner_(inner), fault_(fault) {}
+  std::string_view name() const override { return inner_.name(); }
+  std::string_view doc() const override { return inner_.doc(); }
+  std::span<const DescribedField> fields() const override { return inner_.fields(); }
+  ClosureKind kind() const override { return inner_.kind(); }
+  Color evaluate(std::span<const float> p, const ClosurePoint& point, Vector<World> d) const override {
+    return inner_.evaluate(p, point, d) * (fault_ == Fault::value ? 0.98f : 1.0f);
+  }
+  float pdf(std::span<const float> p, const ClosurePoint& point, Vector<World> d) const override {
+    return inner_.pdf(p, point, d) * (fault_ == Fault::pdf ? 0.98f : 1.0f);
+  }
+  std::optional<ClosureSample> sample(std::span<const float> p, const ClosurePoint& point,
+                                      const ClosureUniforms& u) const override {
+    ClosureUniforms used = u;
+    if (fault_ == Fault::sampling) used.place[0] *= 0.98f;
+    auto s = inner_.sample(p, point, used);
+    if (s && fault_ == Fault::weight) s->weight *= 0.98f;
+    return s;
+  }
+  Color albedo(std::span<const float> p, const ClosurePoint& point) const override { return inner_.albedo(p, point); }
+
+ private:
+  const Closure& inner_;
+  Fault fault_;
+};
+
+TEST(Closures, APlantedErrorOfTwoPercentIsCaught) {
+  const Registry registry = allPlugins();
+  const Closure& diffuse = *registry.closure("diffuse");
+  const Parameters p = parametersAt(diffuse, 0.5, 0.2);
+  const ClosurePoint point{tilted(0.5, 4), geometricNormal};
+  for (const auto fault :
+       {Planted::Fault::value, Planted::Fault::pdf, Planted::Fault::weight, Planted::Fault::sampling}) {
+    Uniforms random(seedOfTest());
+    EXPECT_FALSE(check(Planted(diffuse, fault), p, point, random)) << static_cast<int>(fault);
+  }
+  Uniforms random(seedOfTest());
+  EXPECT_TRUE(check(Planted(diffuse, Planted::Fault::none), p, point, random));
+}
+
+}  // namespace
+}  // namespace aerosol::render

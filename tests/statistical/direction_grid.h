@@ -1,0 +1,56 @@
+// Cells of a cone of directions with equal solid angles, for histograms and quadrature.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/base/geometry.h"
+
+namespace aerosol::test {
+
+/// Rings of equal height around an axis, each cut into equal sectors. `oneMinusCosine` of the cone's half angle: 2 is
+/// the whole sphere.
+class DirectionGrid {
+ public:
+  DirectionGrid(Vector<World> axis, double oneMinusCosine, int rings, int sectors)
+      : frame_(axis), height_(oneMinusCosine), rings_(rings), sectors_(sectors) {}
+
+  std::size_t cellCount() const { return static_cast<std::size_t>(rings_ * sectors_); }
+  double cellSolidAngle() const { return 2 * std::numbers::pi * height_ / (rings_ * sectors_); }
+
+  /// `cellCount()` outside the cone.
+  std::size_t cell(Vector<World> d) const {
+    const double z = dot(d, frame_.z), x = dot(d, frame_.x), y = dot(d, frame_.y);
+    const int ring = static_cast<int>(std::floor((1 - z) / height_ * rings_));
+    if (ring > rings_ || (ring == rings_ && height_ < 2)) return cellCount();
+    double turn = std::atan2(y, x) / (2 * std::numbers::pi);
+    if (turn < 0) turn += 1;
+    const int sector = std::min(sectors_ - 1, static_cast<int>(turn * sectors_));
+    return static_cast<std::size_t>(std::clamp(ring, 0, rings_ - 1) * sectors_ + sector);
+  }
+
+  /// ∫ f over each cell by the midpoint rule with n × n points.
+  template <class Function>
+  std::vector<double> integrateCells(Function f, int n) const {
+    std::vector<double> cells(cellCount());
+    for (int i = 0; i < rings_ * n; ++i) {
+      const double c = (i + 0.5) / (rings_ * n) * height_, r = std::sqrt(c * (2 - c));
+      for (int j = 0; j < sectors_ * n; ++j) {
+        const double phi = 2 * std::numbers::pi * (j + 0.5) / (sectors_ * n);
+        const Vector<World> d = normalize(frame_.at(static_cast<float>(r * std::cos(phi)),
+                                                    static_cast<float>(r * std::sin(phi)), static_cast<float>(1 - c)));
+        cells[static_cast<std::size_t>(i / n * sectors_ + j / n)] +=
+            static_cast<double>(f(d)) * cellSolidAngle() / (n * n);
+      }
+    }
+    return cells;
+  }
+
+ private:
+  Frame<World> frame_;
+  double height_;
+  int rings_, sectors_;
+};
+
+}  // namespace aerosol::test

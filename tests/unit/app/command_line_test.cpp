@@ -1,0 +1,161 @@
+#include "core/app/command_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace aerosol::app {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Pair;
+
+template <class T>
+T parsed(const std::vector<std::string>& arguments, std::string_view shaderPath = {}) {
+  const auto result = parseCommandLine(arguments, shaderPath);
+  if (const Reply* reply = std::get_if<Reply>(&result)) {
+    ADD_FAILURE() << reply->text;
+    return {};
+  }
+  return std::get<T>(std::get<Arguments>(result));
+}
+
+RenderArguments render(std::vector<std::string> options) {
+  options.insert(options.begin(), {"render", "cloud.xml"});
+  return parsed<RenderArguments>(options);
+}
+
+/// The message with which a command line is refused.
+std::string refusal(const std::vector<std::string>& arguments) {
+  const auto result = parseCommandLine(arguments);
+  const Reply* const reply = std::get_if<Reply>(&result);
+  if (!reply) return "accepted";
+  EXPECT_EQ(reply->code, ExitCode::usage);
+  return reply->text;
+}
+
+TEST(CommandLine, LeavesToTheSceneWhatIsNotGiven) {
+  const RenderArguments arguments = render({});
+  EXPECT_EQ(arguments.scene, "cloud.xml");
+  EXPECT_TRUE(arguments.outputs.empty());
+  EXPECT_TRUE(arguments.defines.empty());
+  EXPECT_TRUE(arguments.overrides.empty());
+  EXPECT_FALSE(arguments.samplesPerPixel);
+  EXPECT_FALSE(arguments.seed);
+  EXPECT_FALSE(arguments.crop);
+  EXPECT_FALSE(arguments.distance);
+  EXPECT_FALSE(arguments.stepScale);
+  EXPECT_EQ(arguments.threads, 0);
+  EXPECT_FALSE(arguments.quiet);
+  EXPECT_FALSE(arguments.statistics);
+  EXPECT_FALSE(arguments.countLanes);
+  EXPECT_FALSE(arguments.kernels.width);
+  EXPECT_EQ(arguments.kernels.isa, "");
+  EXPECT_TRUE(arguments.kernels.useCache);
+}
+
+TEST(CommandLine, ReadsEveryRenderOption) {
+  const RenderArguments arguments =
+      render({"--spp", "64", "--seed=7", "--crop", "1,2,30,40", "--distance", "null", "--step-scale", "0.5",
+              "--threads", "3", "--width", "4", "--isa", "avx2", "--no-cache", "-q", "--stats", "--count-lanes"});
+  EXPECT_EQ(arguments.samplesPerPixel, 64);
+  EXPECT_EQ(arguments.seed, 7);
+  EXPECT_EQ(arguments.crop, (Crop{1, 2, 30, 40}));
+  EXPECT_EQ(arguments.distance, scene::DistanceSampling::nullScattering);
+  EXPECT_EQ(arguments.stepScale, 0.5f);
+  EXPECT_EQ(arguments.threads, 3);
+  EXPECT_EQ(arguments.kernels.width, 4);
+  EXPECT_EQ(arguments.kernels.isa, "avx2");
+  EXPECT_FALSE(arguments.kernels.useCache);
+  EXPECT_TRUE(arguments.quiet);
+  EXPECT_TRUE(arguments.statistics);
+  EXPECT_TRUE(arguments.countLanes);
+}
+
+TEST(CommandLine, RepeatedOptionsTakeOneValueEach) {
+  const auto arguments = parsed<RenderArguments>({"render", "-o", "a.exr", "-o", "b.png", "--set", "cloud.density=2",
+                                                  "--set", "film.width=8", "-D", "sun=1=2", "-Dsky=", "cloud.xml"});
+  EXPECT_EQ(arguments.scene, "cloud.xml");
+  EXPECT_THAT(arguments.outputs, ElementsAre("a.exr", "b.png"));
+  EXPECT_THAT(arguments.overrides, ElementsAre("cloud.density=2", "film.width=8"));
+  EXPECT_THAT(arguments.defines, ElementsAre(Pair("sky", ""), Pair("sun", "1=2")));
+}
+
+TEST(CommandLine, SearchesFoldersOfOptionsBeforeThoseOfTheEnvironment) {
+  const auto arguments = parsed<CompileArguments>(
+      {"compile", "a.osl", "b.osl", "--shader-path", "x", "--shader-path", "y"}, ":/one::/two:");
+  EXPECT_THAT(arguments.shaders, ElementsAre("a.osl", "b.osl"));
+  EXPECT_THAT(arguments.kernels.shaderPath, ElementsAre("x", "y", "/one", "/two"));
+}
+
+TEST(CommandLine, KnowsHelpAndVersion) {
+  EXPECT_EQ(parsed<HelpArguments>({"help"}).topic, "");
+  EXPECT_EQ(parsed<HelpArguments>({"help", "medium"}).topic, "medium");
+  parsed<VersionArguments>({"--version"});
+  for (const std::string& command : commandNames()) {
+    const auto result = parseCommandLine({command, "--help"});
+    ASSERT_TRUE(std::holds_alternative<Reply>(result)) << command;
+    EXPECT_EQ(std::get<Reply>(result).code, ExitCode::success);
+    EXPECT_EQ(std::get<Reply>(result).text, commandHelp(command));
+  }
+}
+
+TEST(CommandLine, HelpNamesEveryOptionOnce) {
+  const std::string help = commandHelp("render");
+  for (const char* option :
+       {"--output", "--define", "--set", "--spp", "--threads", "--crop", "--seed", "--quiet", "--shader-path",
+        "--width", "--isa", "--stats", "--count-lanes", "--no-cache", "--distance", "--step-scale"}) {
+    EXPECT_THAT(help, HasSubstr(option));
+  }
+  EXPECT_THAT(commandHelp(""), HasSubstr("Exit codes"));
+  EXPECT_THAT(commandHelp("compile"), testing::Not(HasSubstr("Exit codes")));
+}
+
+TEST(CommandLine, RefusesWithAHint) {
+  EXPECT_EQ(refusal({"render", "a.xml", "--sp", "4"}),
+            "aerosol: error: unknown option '--sp'\n  note: did you mean '--spp', '--isa' or '--set'?\n");
+  EXPECT_EQ(refusal({"rendr", "a.xml"}), "aerosol: error: unknown command 'rendr'\n  note: did you mean 'render'?\n");
+  EXPECT_EQ(refusal({"paint"}),
+            "aerosol: error: unknown command 'paint'\n  note: commands are render, compile, help\n");
+  EXPECT_EQ(refusal({"render", "a.xml", "b.xml"}),
+            "aerosol: error: unexpected argument 'b.xml'\n  note: see: aerosol help render\n");
+  EXPECT_THAT(refusal({"render"}), HasSubstr("scene is required"));
+  EXPECT_THAT(refusal({"compile"}), HasSubstr("shader is required"));
+  EXPECT_THAT(refusal({}), HasSubstr("Usage: aerosol"));
+}
+
+TEST(CommandLine, RefusesWrongValues) {
+  const auto refused = [](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", "a.xml"});
+    return refusal(options);
+  };
+  EXPECT_THAT(refused({"--spp", "0"}), HasSubstr("--spp: must be at least 1, not 0"));
+  EXPECT_THAT(refused({"--spp", "4x"}), HasSubstr("--spp: '4x' is not an integer"));
+  EXPECT_THAT(refused({"--spp", "0x10"}), HasSubstr("--spp: '0x10' is not an integer"));
+  EXPECT_THAT(refused({"--spp", "99999999999"}), HasSubstr("--spp: "));
+  EXPECT_THAT(refused({"--spp"}), HasSubstr("--spp needs a value"));
+  EXPECT_THAT(refused({"--spp", "1", "--spp", "2"}), HasSubstr("--spp is given more than once"));
+  EXPECT_THAT(refused({"--seed", "-1"}), HasSubstr("--seed: must be at least 0, not -1"));
+  EXPECT_THAT(refused({"--threads", "0"}), HasSubstr("--threads: must be at least 1"));
+  EXPECT_THAT(refused({"--width", "9"}), HasSubstr("--width: '9' is not one of 16, 8, 4, 1"));
+  EXPECT_THAT(refused({"--isa", "sse"}), HasSubstr("--isa: 'sse' is not one of avx2, avx512"));
+  EXPECT_THAT(refused({"--distance", "both"}), HasSubstr("--distance: 'both' is not one of auto, marching, null"));
+  EXPECT_THAT(refused({"--step-scale", "0"}), HasSubstr("--step-scale: must be greater than 0"));
+  EXPECT_THAT(refused({"--step-scale", "nan"}), HasSubstr("--step-scale: 'nan' is not a number"));
+  EXPECT_THAT(refused({"-D", "x"}), HasSubstr("-D: 'x' is not NAME=VALUE"));
+  EXPECT_THAT(refused({"-D", "=x"}), HasSubstr("-D: '=x' is not NAME=VALUE"));
+  EXPECT_THAT(refused({"-D", "x=1", "-D", "x=2"}), HasSubstr("-D: 'x' is given twice"));
+}
+
+TEST(CommandLine, ReadsCropsStrictly) {
+  EXPECT_EQ(parseCrop("0,0,1,1"), (Crop{0, 0, 1, 1}));
+  EXPECT_EQ(parseCrop("10,20,300,400"), (Crop{10, 20, 300, 400}));
+  for (const char* wrong : {"", "1,2,3", "1,2,3,4,5", "1,2,3,4,", ",1,2,3", "-1,0,4,4", "0,0,0,4", "0,0,4,0", "a,b,c,d",
+                            "0,0,1.5,2", "0 0 1 1"}) {
+    EXPECT_FALSE(parseCrop(wrong)) << wrong;
+    EXPECT_THAT(refusal({"render", "a.xml", "--crop", wrong}), HasSubstr("--crop")) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace aerosol::app
