@@ -43,6 +43,10 @@ std::string formatShort(double number) {
   return fmt::format("{:.{}f}{}", number, decimals, prefixes[i]);
 }
 
+std::string formatMean(double mean) {
+  return mean == std::floor(mean) ? formatCount(static_cast<std::uint64_t>(mean)) : fmt::format("{:.1f}", mean);
+}
+
 std::string formatPercent(double part, double whole) {
   return whole > 0 ? fmt::format("{:.1f} %", 100 * part / whole) : "-";
 }

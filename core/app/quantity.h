@@ -21,6 +21,9 @@ std::string formatCount(std::uint64_t count, std::string_view noun);
 /// Three digits and a prefix: "950", "1.23 k", "45.6 M".
 std::string formatShort(double number);
 
+/// A mean of counts: "16" where it is whole, else "15.8".
+std::string formatMean(double mean);
+
 /// Share of a whole: "97.3 %"; "-" of nothing.
 std::string formatPercent(double part, double whole);
 

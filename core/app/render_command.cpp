@@ -149,8 +149,8 @@ class Render {
     if (!accept(writeOutputs(outputs_, picture, description_->film))) return false;
     if (!arguments_.quiet) {
       for (const std::string& name : outputs_) {
-        console_.note(fmt::format("wrote {}: {} x {} pixels, {:.4g} samples a pixel, {}\n", name, picture.width,
-                                  picture.height, counts.mean, formatDuration(report_.seconds)));
+        console_.note(fmt::format("wrote {}: {} x {} pixels, {} samples a pixel, {}\n", name, picture.width,
+                                  picture.height, formatMean(counts.mean), formatDuration(report_.seconds)));
       }
     }
     return true;

@@ -33,8 +33,8 @@ std::string describeKernels(const render::PreparedScene& scene) {
       seconds += t.lowering + t.linkRuntime + t.optimisation + t.codeGeneration + t.loading;
     }
   }
-  return fmt::format("{} of {} shaders, {} from the cache, {} of one processor", kernels,
-                     scene.shading.families().size(), cached, formatDuration(seconds));
+  return fmt::format("{} for {}, {} from the cache, {} of one processor", kernels,
+                     formatCount(scene.shading.families().size(), "shader"), cached, formatDuration(seconds));
 }
 
 void addKernelCalls(Table& table, const render::WorkerStatistics& s, double threadSeconds) {
@@ -68,9 +68,10 @@ std::string formatStatistics(const render::PreparedScene& scene, const render::R
   const render::WorkerStatistics& s = report.statistics;
   const double rate = report.seconds > 0 ? number(s.samples) / report.seconds : 0;
   Table table;
-  table.row("time", fmt::format("{} to render on {} thread{}, {} to prepare, {} to read the scene",
-                                formatDuration(report.seconds), threads, threads == 1 ? "" : "s",
-                                formatDuration(times.prepare), formatDuration(times.load)));
+  table.row("time",
+            fmt::format("{} to render on {}, {} to prepare, {} to read the scene", formatDuration(report.seconds),
+                        formatCount(static_cast<std::uint64_t>(threads), "thread"), formatDuration(times.prepare),
+                        formatDuration(times.load)));
   table.row("kernels", describeKernels(scene));
   if (cache) {
     const jit::CacheStatistics c = cache->statistics();

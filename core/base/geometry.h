@@ -22,7 +22,9 @@ struct Triple {
   constexpr Triple(float x_, float y_, float z_) : x(x_), y(y_), z(z_) {}
   constexpr float& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
   constexpr float operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
-  friend constexpr bool operator==(const Derived& a, const Derived& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+  friend constexpr bool operator==(const Derived& a, const Derived& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+  }
 };
 
 }  // namespace detail
@@ -60,17 +62,25 @@ struct Point : detail::Triple<Point<Space>> {
 };
 
 template <class S>
-constexpr float dot(Vector<S> a, Vector<S> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr float dot(Vector<S> a, Vector<S> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class S>
-constexpr float dot(Vector<S> a, Normal<S> b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr float dot(Vector<S> a, Normal<S> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class S>
 constexpr Vector<S> cross(Vector<S> a, Vector<S> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class S>
-constexpr float squaredLength(Vector<S> v) { return dot(v, v); }
+constexpr float squaredLength(Vector<S> v) {
+  return dot(v, v);
+}
 template <class S>
-inline float length(Vector<S> v) { return std::sqrt(dot(v, v)); }
+inline float length(Vector<S> v) {
+  return std::sqrt(dot(v, v));
+}
 /// Unit length; a zero vector stays zero.
 template <class S>
 inline Vector<S> normalize(Vector<S> v) {
@@ -78,7 +88,9 @@ inline Vector<S> normalize(Vector<S> v) {
   return l > 0 ? v / l : v;
 }
 template <class S>
-inline Normal<S> normalize(Normal<S> n) { return Normal<S>(normalize(n.vector())); }
+inline Normal<S> normalize(Normal<S> n) {
+  return Normal<S>(normalize(n.vector()));
+}
 
 /// A right-handed orthonormal frame whose z axis is a given unit vector (Duff et al. 2017, "Building an Orthonormal
 /// Basis, Revisited").
@@ -171,5 +183,19 @@ class Transform {
  private:
   Matrix4 forward_, inverse_;
 };
+
+/// First scales by `radius` (not 0) about the origin, moves to `center`, then applies `outer`.
+template <class To, class From>
+Transform<To, From> ballPlacement(const Transform<To, From>& outer, Point<From> center, float radius) {
+  Matrix4 place = identityMatrix();
+  Matrix4 inverse = identityMatrix();
+  for (std::size_t i = 0; i < 3; ++i) {
+    place[i][i] = static_cast<double>(radius);
+    place[i][3] = static_cast<double>(center[static_cast<int>(i)]);
+    inverse[i][i] = 1 / place[i][i];
+    inverse[i][3] = -place[i][3] / place[i][i];
+  }
+  return {multiply(outer.matrix(), place), multiply(inverse, outer.inverseMatrix())};
+}
 
 }  // namespace aerosol

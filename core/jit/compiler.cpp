@@ -49,7 +49,9 @@ std::string keyOf(const KernelRequest& request, const std::string& programHash, 
   hash.add(std::uint64_t{generatorVersion}).add(llvmVersion()).add(programHash).add(runtimeHash);
   hash.add(static_cast<std::uint64_t>(request.outputs.size()));
   for (const lang::Output& output : request.outputs) {
-    hash.add(static_cast<std::uint64_t>(output.kind)).add(std::uint64_t{output.index}).add(std::uint64_t{output.subIndex});
+    hash.add(static_cast<std::uint64_t>(output.kind))
+        .add(std::uint64_t{output.index})
+        .add(std::uint64_t{output.subIndex});
   }
   hash.add(static_cast<std::uint64_t>(request.folded.size()));
   for (const FoldedParameter& folded : request.folded) {
@@ -75,8 +77,8 @@ struct Compiler::State {
     const std::lock_guard lock(mutex);
     std::shared_ptr<const Runtime>& known = runtimes[{domain, width}];
     if (known) return known;
-    const std::string file = std::string("runtime_") + (domain == Domain::wide ? "wide_" : "range_") +
-                             std::to_string(width) + ".bc";
+    const std::string file =
+        std::string("runtime_") + (domain == Domain::wide ? "wide_" : "range_") + std::to_string(width) + ".bc";
     const std::filesystem::path path = options.runtimeFolder / file;
     std::ifstream in(path, std::ios::binary);
     Runtime runtime;

@@ -62,14 +62,16 @@ class NumberDomain {
   /// widened to all values?
   virtual bool widensAtBudget() const = 0;
 
-  virtual Number broadcast(const Number& uniform) = 0;
+  /// The number that is known exactly in each lane.
+  virtual Number exact(Kind kind, llvm::Value* lanes) = 0;
+  Number broadcast(const Number& uniform) { return exact(uniform.kind, e_.splat(uniform.parts[0])); }
   /// Every value of the kind.
   virtual Number anything(Kind kind) = 0;
   virtual Number unary(lang::Op op, const Number& x) = 0;
   virtual Number binary(lang::Op op, const Number& a, const Number& b) = 0;
   virtual Number select(const Number& condition, const Number& a, const Number& b) = 0;
   virtual Condition condition(const Number& number) = 0;
-  /// Lanes in which a |= b of masks; the order of joins does not matter.
+  /// The value where the mask surely holds, the old one where it does not, and either where it may.
   virtual Number blend(const Mask& mask, const Number& value, const Number& old) = 0;
 
   /// Lanes of an int outside [0, length).

@@ -65,4 +65,16 @@ llvm::Value* Emitter::pointerAt(llvm::Value* base, std::uint64_t byteOffset) {
   return byteOffset == 0 ? base : ir.CreateInBoundsGEP(ir.getInt8Ty(), base, ir.getInt64(byteOffset));
 }
 
+void Emitter::callLibrary(const std::string& symbol, llvm::ArrayRef<llvm::Value*> pointers) {
+  const llvm::SmallVector<llvm::Type*, 8> types(pointers.size(), ir.getPtrTy());
+  auto* const type = llvm::FunctionType::get(ir.getVoidTy(), types, false);
+  llvm::CallInst* const call = ir.CreateCall(module().getOrInsertFunction(symbol, type), pointers);
+  call->setDoesNotThrow();
+  call->setOnlyAccessesArgMemory();
+  call->addFnAttr(llvm::Attribute::WillReturn);
+  call->addFnAttr(llvm::Attribute::NoFree);
+  call->addFnAttr(llvm::Attribute::NoSync);
+  for (unsigned i = 0; i < pointers.size(); ++i) call->addParamAttr(i, llvm::Attribute::NoCapture);
+}
+
 }  // namespace aerosol::jit

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "core/jit/llvm.h"
 #include "core/jit/target.h"
@@ -55,6 +56,8 @@ class Emitter {
   /// A load or store at a byte offset, aligned to what the type's size allows up to `alignment`.
   llvm::Value* loadAt(llvm::Type* type, llvm::Value* base, llvm::Value* byteOffset, unsigned alignment);
   llvm::Value* pointerAt(llvm::Value* base, std::uint64_t byteOffset);
+  /// Calls a function of the run-time library, which knows nothing but its arguments, and comes back.
+  void callLibrary(const std::string& symbol, llvm::ArrayRef<llvm::Value*> pointers);
 
  private:
   llvm::Function& function_;

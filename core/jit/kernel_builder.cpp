@@ -152,13 +152,15 @@ class OutputWriter {
  private:
   void write(const lang::Output& asked, unsigned component, const Number& number) {
     constexpr std::array rangeParts = {OutputPart::low, OutputPart::high, OutputPart::mayBeNan};
+    constexpr std::array stringParts = {OutputPart::value, OutputPart::unknown};
     const Number lanes = domain_.varying(number);
     const unsigned parts = domain_.partCount(number.kind);
     for (unsigned part = 0; part < parts; ++part) {
       const auto type = number.kind == Kind::floating  ? lang::BaseType::floating
                         : number.kind == Kind::integer ? lang::BaseType::integer
                                                        : lang::BaseType::string;
-      const OutputPart what = parts == 1 ? OutputPart::value : rangeParts[part];
+      const bool isPlain = parts == 1 || number.kind == Kind::string;
+      const OutputPart what = isPlain ? stringParts[part] : rangeParts[part];
       frame_.storeOutput(static_cast<unsigned>(interface_.outputs.size()), lanes.parts[part]);
       interface_.outputs.push_back({asked.kind, asked.index, asked.subIndex, component, type, what});
     }

@@ -86,6 +86,7 @@ llvm::Value* KernelFrame::activeLanes(llvm::Value* count) {
         llvm::Constant::getAllOnesValue(llvm::FixedVectorType::get(e_.ir.getInt32Ty(), AEROSOL_MAXIMUM_WIDTH));
     auto* const all =
         new llvm::GlobalVariable(e_.module(), ones->getType(), true, llvm::GlobalValue::PrivateLinkage, ones, "all");
+    all->setAlignment(llvm::Align(64));
     llvm::Value* const given = argument(offsetof(AerosolKernelArguments, active), e_.ir.getPtrTy());
     llvm::Value* const isGiven = e_.ir.CreateICmpNE(given, e_.zero(e_.ir.getPtrTy()));
     return std::pair(e_.ir.CreateSelect(isGiven, given, all), e_.ir.CreateSExt(isGiven, e_.ir.getInt32Ty()));
@@ -220,16 +221,7 @@ Number KernelFrame::instanceNumber(Kind kind, unsigned offset) {
     phi->addIncoming(many, mixedEnd_->getParent());
     lanes = phi;
   }
-  // What is read for each lane is exact: in other domains than the wide one it takes their form.
-  Number number{kind, true, {lanes}};
-  if (domain_.splitsMasks()) {
-    number.parts[1] = lanes;
-    if (kind == Kind::floating) {
-      number.parts[2] = atChunkStart(
-          [&] { return e_.ir.CreateSExt(e_.ir.CreateFCmpUNO(lanes, lanes), domain_.partType(Kind::floating, 2)); });
-    }
-  }
-  return it->second = number;
+  return it->second = atChunkStart([&] { return domain_.exact(kind, lanes); });
 }
 
 Number KernelFrame::header(unsigned index) { return instanceNumber(Kind::floating, index * 4); }

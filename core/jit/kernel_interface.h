@@ -22,10 +22,11 @@ enum class Domain : std::uint8_t {
 
 /// What one pointer of `AerosolKernelArguments::outputs` holds.
 enum class OutputPart : std::uint8_t {
-  value,  ///< wide domain
-  low,
+  value,     ///< wide domain, and strings in the range domain
+  low,       ///< range domain
   high,      ///< range domain
   mayBeNan,  ///< range domain, floats only: uint32, all bits set where some point of the box may give NaN
+  unknown,   ///< range domain, strings only: uint64, all bits set where the string is not one known one
 };
 
 /// One pointer of `AerosolKernelArguments::outputs`, in their order.
@@ -90,7 +91,7 @@ struct KernelInterface {
 /// (Ci has none.)
 int globalPointer(lang::Global global);
 int globalComponents(lang::Global global);
-inline constexpr int globalPointerCount = 25;
+inline constexpr int globalPointerCount = 28;
 
 /// As bytes, for the cache. `deserialise` gives nothing when the bytes are not a whole interface.
 std::string serialise(const KernelInterface& interface);

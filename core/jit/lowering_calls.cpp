@@ -34,16 +34,7 @@ Value Lowering::loadValue(llvm::Value* memory, llvm::ArrayRef<Kind> kinds, bool 
 
 void Lowering::emitFunctionCall(const std::string& symbol, bool varying, llvm::ArrayRef<llvm::Value*> pointers) {
   const std::string name = std::string(1, varying ? domain_.symbolPrefix() : 'u') + "_" + symbol;
-  const llvm::SmallVector<llvm::Type*, 8> types(pointers.size(), e_.ir.getPtrTy());
-  auto* const type = llvm::FunctionType::get(e_.ir.getVoidTy(), types, false);
-  llvm::CallInst* const call = e_.ir.CreateCall(e_.module().getOrInsertFunction(name, type), pointers);
-  // Library functions know nothing but their arguments, and come back.
-  call->setDoesNotThrow();
-  call->setOnlyAccessesArgMemory();
-  call->addFnAttr(llvm::Attribute::WillReturn);
-  call->addFnAttr(llvm::Attribute::NoFree);
-  call->addFnAttr(llvm::Attribute::NoSync);
-  for (unsigned i = 0; i < pointers.size(); ++i) call->addParamAttr(i, llvm::Attribute::NoCapture);
+  e_.callLibrary(name, pointers);
 }
 
 Value Lowering::callFunction(const std::string& symbol, llvm::ArrayRef<Value> arguments, llvm::ArrayRef<Kind> result) {

@@ -42,6 +42,10 @@ Lowering::SpaceMatrix Lowering::spaceMatrix(lang::VariableId space, bool toWorld
 
 /// Asks the host for each active lane.
 Lowering::SpaceMatrix Lowering::hostMatrix(const Number& space, bool toWorld) {
+  if (domain_.splitsMasks()) {
+    // Time is a range here, and no rule bounds what the host would answer.
+    return {fromRows(Value(rowNumbers, domain_.anything(Kind::floating))), domain_.anything(Kind::integer)};
+  }
   interface_.asksHostForSpaces = true;
   const llvm::SmallVector<Kind, 4> floats(rowNumbers, Kind::floating);
   llvm::Value* const rows = variables_.memory(floats, 1, true, "space");

@@ -195,7 +195,7 @@ void Variables::initialiseArray(VariableId id, const ArrayMemory& array) {
       }
     }
   }
-  if (start.empty()) e_.ir.CreateMemSet(array.base, e_.ir.getInt8(0), bytes, llvm::MaybeAlign(16));
+  if (start.empty()) e_.ir.CreateMemSet(array.base, e_.ir.getInt8(0), bytes, llvm::MaybeAlign(8));
   for (unsigned i = 0; i < start.size(); ++i) {
     const Number number = array.varying ? domain_.varying(start[i]) : start[i];
     domain_.store(number, e_.pointerAt(array.base, offsetOf(array, i / components, i % components)));

@@ -17,7 +17,7 @@ class WideDomain final : public NumberDomain {
   bool splitsMasks() const override { return false; }
   bool widensAtBudget() const override { return false; }
 
-  Number broadcast(const Number& uniform) override { return {uniform.kind, true, {e_.splat(uniform.parts[0])}}; }
+  Number exact(Kind kind, llvm::Value* lanes) override { return {kind, true, {lanes}}; }
   Number anything(Kind kind) override { return {kind, true, {e_.zero(e_.laneType(kind))}}; }
 
   Number unary(Op op, const Number& x) override {

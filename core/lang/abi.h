@@ -74,7 +74,7 @@ typedef struct AerosolKernelArguments {
   AerosolKernelContext* context;
   /* One pointer a component of each global that the kernel reads, in the order of Global, components x y z. Where the
    * kernel's interface says that a global is not read, its pointers may be null. Layout: P.x P.y P.z I.x I.y I.z N.x
-   * N.y N.z Ng.x Ng.y Ng.z u v dPdu.xyz dPdv.xyz Ps.xyz time dtime dPdtime.xyz (25 pointers). */
+   * N.y N.z Ng.x Ng.y Ng.z u v dPdu.xyz dPdv.xyz Ps.xyz time dtime dPdtime.xyz (28 pointers). */
   const float* const* globals;
   const int32_t* instances; /* per point: index of its instance; may be null when the kernel does not read instances */
   const uint32_t* active;   /* per point: all bits set or zero; null: all n points are active */

@@ -31,8 +31,10 @@ constexpr std::array<GlobalRow, globalCount> globalRows = {{
     {"Ci", types::closure},
 }};
 
-bool sameParameters(const FunctionDeclaration& a, const FunctionDeclaration& b) {
-  return std::equal(a.parameters.begin(), a.parameters.end(), b.parameters.begin(), b.parameters.end(),
+/// Functions may differ by what they return alone.
+bool sameSignature(const FunctionDeclaration& a, const FunctionDeclaration& b) {
+  return a.type == b.type &&
+         std::equal(a.parameters.begin(), a.parameters.end(), b.parameters.begin(), b.parameters.end(),
                     [](const auto& x, const auto& y) { return x->type == y->type; });
 }
 
@@ -56,7 +58,13 @@ std::unique_ptr<CheckedSource> Checker::run(SourceFile& file) {
     if (auto* shader = std::get_if<std::unique_ptr<ShaderDeclaration>>(&declaration)) checkShader(**shader);
   }
   if (!result_->shader) {
-    error(0, "there is no shader in this file",
+    // Where one might have expected it: at the last thing declared.
+    Position last = sourceMap_.end();
+    for (const auto& declaration : file.declarations) {
+      const Position position = std::visit([](const auto& one) { return one->position; }, declaration);
+      if (!sourceMap_.isInPrelude(position)) last = position;
+    }
+    error(last, "there is no shader in this file",
           {"a shader is declared like a function: 'volume name(float parameter = 1) { ... }', with one of the words "
            "surface, volume, displacement, shader"});
   }
@@ -113,11 +121,11 @@ void Checker::declareFunction(FunctionDeclaration& function) {
   auto& overloads = scopes_.back().functions[function.name];
   const bool isOwn = !sourceMap_.isInPrelude(function.position);
   for (const FunctionDeclaration* other : overloads) {
-    if (!sameParameters(*other, function)) continue;
+    if (!sameSignature(*other, function)) continue;
     if (!other->body && function.body) {
       result_->definitions[other] = &function;
     } else if (other->body && function.body && !(sourceMap_.isInPrelude(other->position) && isOwn)) {
-      error(function.position, "function '" + function.name + "' is defined twice with the same parameters",
+      error(function.position, "function '" + function.name + "' is defined twice with the same parameters and result",
             {"the other one: " + where(other->position)});
     }
   }
@@ -296,6 +304,10 @@ std::vector<std::string> Checker::visibleVariables() const {
 }
 
 void Checker::error(Position position, std::string message, std::vector<std::string> notes) {
+  if (sourceMap_.isInPrelude(position) && libraryCall_ != 0) {
+    notes.push_back("in the standard library: " + where(position));
+    position = libraryCall_;
+  }
   diagnostics_.add(sourceMap_.error(position, std::move(message), std::move(notes)));
 }
 

@@ -36,9 +36,9 @@ Type Checker::checkArguments(const Expression& call, std::vector<ExpressionPtr>&
 }
 
 void Checker::addCandidate(std::vector<Candidate>& candidates, Candidate candidate) const {
-  // The innermost declaration wins over others with the same parameters, and any of the author's over a built-in one.
+  // The innermost declaration wins over others with the same signature, and any of the author's over a built-in one.
   for (const Candidate& other : candidates)
-    if (other.function && other.parameters == candidate.parameters) return;
+    if (other.function && other.parameters == candidate.parameters && other.result == candidate.result) return;
   candidates.push_back(std::move(candidate));
 }
 
@@ -216,7 +216,7 @@ void Checker::bindArguments(const Candidate& candidate, std::vector<ExpressionPt
     const bool isOutput = candidate.function ? candidate.function->parameters[i]->isOutput
                                              : candidate.builtin && (candidate.builtin->outputs >> i & 1u) != 0;
     if (!isOutput) continue;
-    checkWritable(argument);
+    if (!checkWritable(argument)) continue;
     const bool sameKind =
         argument.type.element() == formal.element() || (argument.type.isTriple() && formal.isTriple());
     if (!sameKind && !isPoisoned(argument.type)) {
@@ -238,13 +238,17 @@ void Checker::useFunction(const FunctionDeclaration& function, Position position
     return;
   }
   if (!body.body || !sourceMap_.isInPrelude(body.position)) return;
-  // Functions of the standard library are checked when they are first called, in the scope of the file.
+  // Functions of the standard library are checked when they are first called, in the scope of the file. What is wrong
+  // there is wrong with the call.
+  const Position outerCall = libraryCall_;
+  if (!sourceMap_.isInPrelude(position)) libraryCall_ = position;
   std::vector<Scope> outer;
   while (scopes_.size() > 1) {
     outer.push_back(std::move(scopes_.back()));
     scopes_.pop_back();
   }
   checkBody(const_cast<FunctionDeclaration&>(body));
+  libraryCall_ = outerCall;
   while (!outer.empty()) {
     scopes_.push_back(std::move(outer.back()));
     outer.pop_back();
@@ -294,6 +298,7 @@ void Checker::unknownFunction(Position position, std::string_view name) {
   for (std::string& closure : closureNames()) names.push_back(std::move(closure));
   for (const Scope& scope : scopes_)
     for (const auto& [known, unused] : scope.functions) names.push_back(known);
+  for (const auto& [known, unused] : structs_) names.push_back(known);
   std::sort(names.begin(), names.end());
   names.erase(std::unique(names.begin(), names.end()), names.end());
   const std::string note = didYouMean(name, names);

@@ -112,8 +112,8 @@ Type Checker::checkStructConstructor(Expression& expression, std::vector<Express
     for (std::size_t i = 0; i < type.fields.size(); ++i)
       note += (i > 0 ? ", " : "") + toString(type.fields[i].type) + " " + type.fields[i].name;
     error(position,
-          "structure '" + type.name + "' has " + std::to_string(type.fields.size()) + " fields, but " +
-              std::to_string(arguments.size()) + " values are given",
+          "structure '" + type.name + "' takes " + std::to_string(type.fields.size()) + " values, one a field, not " +
+              std::to_string(arguments.size()),
           {note + ")"});
     return poisoned;
   }

@@ -141,7 +141,7 @@ Type Checker::checkName(Expression& expression, Name& name) {
   return name.declaration->type;
 }
 
-void Checker::checkWritable(const Expression& target) {
+bool Checker::checkWritable(const Expression& target) {
   const Expression* root = &target;
   while (true) {
     if (const auto* index = std::get_if<Index>(&root->node)) {
@@ -155,22 +155,23 @@ void Checker::checkWritable(const Expression& target) {
   const auto* name = std::get_if<Name>(&root->node);
   if (!name) {
     if (!isPoisoned(root->type)) error(target.position, "this expression cannot be assigned to: it is not a variable");
-    return;
+    return false;
   }
   VariableDeclaration* const variable = name->declaration;
-  if (!variable) return;
+  if (!variable) return true;
   variable->isAssigned = true;
   if ((variable->isParameter || variable->isShaderParameter) && !variable->isOutput) {
     error(root->position, "parameter '" + variable->name + "' is read-only: it is not declared 'output'",
           {"declare it 'output', or assign a copy of it"});
   }
-  if (!variable->isGlobal || variable->name == "Ci") return;
+  if (!variable->isGlobal || variable->name == "Ci") return true;
   const bool writable = (variable->name == "N" && (shaderKind_ == "surface" || shaderKind_ == "displacement")) ||
                         (variable->name == "P" && shaderKind_ == "displacement");
   if (!writable) {
     const char* article = shaderKind_ == "shader" ? "generic" : shaderKind_.c_str();
     error(root->position, "the shader global '" + variable->name + "' is read-only in " + article + " shaders");
   }
+  return true;
 }
 
 Type Checker::checkUnary(Expression& expression, Unary& unary, const Type& expected) {
@@ -425,8 +426,8 @@ Type Checker::checkInitializerList(Expression& expression, InitializerList& list
   }
   const int components = target.isTriple() ? 3 : target == types::matrix ? 16 : 1;
   if (count != components && count != 1) {
-    error(expression.position,
-          toString(target) + " needs " + std::to_string(components) + " values, not " + std::to_string(count));
+    error(expression.position, toString(target) + " takes " + std::to_string(components) +
+                                   (components == 1 ? " value" : " values") + ", not " + std::to_string(count));
     return poisoned;
   }
   const Type each = count == 1 && components == 1 ? target : types::floating;

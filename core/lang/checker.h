@@ -92,7 +92,8 @@ class Checker {
   Type checkConditional(Expression& expression, Conditional& conditional, const Type& expected);
   Type checkIndex(Expression& expression, Index& index, bool rowAllowed);
   Type checkField(Expression& expression, Field& field);
-  void checkWritable(const Expression& target);
+  /// Marks the variable as assigned. False when the target is none; that it may not be written is an error too.
+  bool checkWritable(const Expression& target);
   void requireAssignable(const Type& to, const Expression& from, std::string_view what);
   /// Checks `expression` as the initial value of something of type `target`; an unsized array gets its length.
   Type checkInitializer(Expression& expression, const Type& target, std::string_view what);
@@ -144,6 +145,7 @@ class Checker {
   std::map<std::string, std::pair<const StructType*, Position>, std::less<>> structs_;
   std::string shaderKind_;
   const FunctionDeclaration* function_ = nullptr;  ///< The one whose body is being checked; null in a shader's body.
+  Position libraryCall_ = 0;  ///< Where the author calls the library function that is being checked.
   int loopDepth_ = 0;
   int depth_ = 0;
 };

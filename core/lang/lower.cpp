@@ -163,9 +163,9 @@ std::vector<MetadataValue> Lowerer::lowerMetadata(const std::vector<Metadata>& m
 VariableId Lowerer::addVariable(Variable variable) {
   variable.location = locationOf(position_);
   frameValues_ += leafCount(variable.type);
-  if (frameValues_ > maximumFrameValues && !failed_) {
-    error(position_, "the variables of this shader take too much room: more than " +
-                         std::to_string(maximumFrameValues) + " values, with all functions inlined");
+  if (frameValues_ > maximumFrameValues) {
+    stop(position_, "the variables of this shader take too much room: more than " + std::to_string(maximumFrameValues) +
+                        " values, with all functions inlined");
   }
   program_.variables.push_back(std::move(variable));
   return static_cast<VariableId>(program_.variables.size() - 1);
@@ -367,15 +367,28 @@ Position Lowerer::positionOf(std::uint32_t location) const {
 }
 
 void Lowerer::error(Position position, std::string message, std::vector<std::string> notes) {
+  // What is wrong within the standard library is wrong with the call.
+  for (std::size_t i = frames_.size(); i-- > 1 && sourceMap_.isInPrelude(position);) position = frames_[i].call;
+  // A function that is inlined twice has its errors once.
+  if (!reported_.insert(position).second) return;
+  if (frames_.size() > 1 && position != frames_[1].call) {
+    const SourceLocation call = sourceMap_.location(frames_[1].call);
+    notes.push_back("in the call of '" + frames_[1].function->name + "' at " + call.file + ":" +
+                    std::to_string(call.line) + ":" + std::to_string(call.column));
+  }
   diagnostics_.add(sourceMap_.error(position, std::move(message), std::move(notes)));
+}
+
+void Lowerer::stop(Position position, std::string message) {
+  if (!failed_) error(position, std::move(message));
   failed_ = true;
 }
 
 bool Lowerer::countWork(Position position) {
   if (failed_) return false;
   if (++work_ <= maximumInstructions) return true;
-  error(position, "the shader is too large: more than " + std::to_string(maximumInstructions) +
-                      " instructions with all functions inlined");
+  stop(position, "the shader is too large: more than " + std::to_string(maximumInstructions) +
+                     " instructions with all functions inlined");
   return false;
 }
 

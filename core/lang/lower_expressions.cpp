@@ -20,8 +20,7 @@ bool isClosureNumber(const Type& type) { return type.closure; }
 }  // namespace
 
 Value Lowerer::lower(const Expression& expression) {
-  if (depth_ > maximumLoweringDepth && !failed_)
-    error(expression.position, "expressions and functions are nested too deeply here");
+  if (depth_ > maximumLoweringDepth) stop(expression.position, "expressions and functions are nested too deeply here");
   if (failed_) return zeroValue(expression.type);
   const Position outer = std::exchange(position_, expression.position);
   ++depth_;

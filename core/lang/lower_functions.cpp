@@ -145,17 +145,18 @@ Value Lowerer::inlineFunction(const FunctionDeclaration& declared, std::vector<V
       std::any_of(frames_.begin(), frames_.end(), [&](const Frame& frame) { return frame.function == &function; });
   if (failed_ || !countWork(position)) return zeroValue(function.type);
   if (isActive) {
-    error(position, "function '" + function.name + "' calls itself: shaders cannot recurse");
+    stop(position, "function '" + function.name + "' calls itself: shaders cannot recurse");
   } else if (!function.body) {
-    error(position, "function '" + function.name + "' is declared but not defined");
+    stop(position, "function '" + function.name + "' is declared but not defined");
   } else if (frames_.size() > static_cast<std::size_t>(maximumInlining)) {
-    error(position, "functions call each other more than " + std::to_string(maximumInlining) + " deep here");
+    stop(position, "functions call each other more than " + std::to_string(maximumInlining) + " deep here");
   }
   if (failed_) return zeroValue(function.type);
   for (std::size_t i = 0; i < arguments.size(); ++i) bind(*function.parameters[i], std::move(arguments[i]));
   const auto& body = std::get<Block>(function.body->node);
   Frame frame;
   frame.function = &function;
+  frame.call = position;
   frame.scopeId = scopeCount_++;
   const bool hasValue = !(function.type == types::none);
   frame.isDirect = hasValue && endsInOnlyReturn(body);

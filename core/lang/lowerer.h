@@ -59,11 +59,11 @@ class Lowerer {
   /// A function that is being inlined, or the shader itself.
   struct Frame {
     const FunctionDeclaration* function = nullptr;
+    Position call = 0;
     std::uint32_t scopeId = 0;
     bool usesLeave = false;
     bool isDirect = false;  ///< The only return is the last statement: its value is the call's.
     Value result;
-    int loopDepth = 0;
   };
 
   // lower.cpp: variables, constants, instructions
@@ -98,6 +98,8 @@ class Lowerer {
   void branch(VariableId condition, Yes&& yes, No&& no);
   std::uint32_t locationOf(Position position);
   void error(Position position, std::string message, std::vector<std::string> notes = {});
+  /// An error after which nothing more is lowered: what comes next would only cost time.
+  void stop(Position position, std::string message);
   bool countWork(Position position);
 
   // lower_statements.cpp
@@ -199,6 +201,7 @@ class Lowerer {
   std::size_t work_ = 0, frameValues_ = 0;
   std::uint32_t scopeCount_ = 0;
   int loopDepth_ = 0, nesting_ = 0, depth_ = 0;
+  std::unordered_set<Position> reported_;  ///< Where there is an error already.
   bool failed_ = false;
 };
 

@@ -146,13 +146,13 @@ void Parser::skipToDeclaration() {
   }
 }
 
-void Parser::skipToStatement() {
+void Parser::skipToStatement(std::size_t before) {
   int depth = std::exchange(openInitializers_, 0);
   const bool isInitializer = depth > 0;
   while (!at(TokenKind::end)) {
     if (depth == 0) {
       if (at(TokenKind::rightBrace)) return;
-      if (at(TokenKind::leftBrace) && previous().kind == TokenKind::rightParen) return;
+      if (at(TokenKind::leftBrace) && previous().kind == TokenKind::rightParen && index_ != before) return;
     }
     if ((depth == 0 || isInitializer) && accept(TokenKind::semicolon)) return;
     const TokenKind kind = next().kind;

@@ -197,11 +197,12 @@ std::unique_ptr<StructDeclaration> Parser::structDeclaration() {
     if (at(TokenKind::end)) {
       failExpected("'}'", fmt::format("to close the '{{' on line {}", map_.location(open.position).line));
     }
+    const std::size_t before = index_;
     try {
       structField(*result);
     } catch (const Failure&) {
       if (givenUp_) throw;
-      skipToStatement();
+      skipToStatement(before);
     }
   }
   next();

@@ -65,7 +65,8 @@ class Parser {
 
   // Recovery (parser.cpp)
   void skipToDeclaration();
-  void skipToStatement();
+  /// Consumes at least one token if none was since `before`, except a closing brace.
+  void skipToStatement(std::size_t before);
   /// To the comma or the closing token of a list; false when neither comes before the end of the surrounding construct.
   bool skipToListMember(TokenKind close);
   bool startsFileScopeDeclaration() const;

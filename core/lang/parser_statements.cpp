@@ -67,8 +67,7 @@ StatementPtr Parser::block() {
       result.statements.push_back(statement());
     } catch (const Failure&) {
       if (givenUp_) throw;
-      skipToStatement();
-      if (index_ == before && !at(TokenKind::rightBrace)) next();
+      skipToStatement(before);
     }
   }
   next();

@@ -58,6 +58,9 @@ class SourceMap {
   /// Whether the position lies in the standard library header.
   bool isInPrelude(Position position) const;
 
+  /// The last position that was added: of a whole source, the end of its main file.
+  Position end() const { return static_cast<Position>(entries_.size() - 1); }
+
   /// Whether the two positions lie on the same physical line.
   bool onSameLine(Position first, Position second) const;
 

@@ -32,7 +32,7 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   LightUniforms uniforms;
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().next1D();
-  const auto choice = lights.choose(uniforms.choice);
+  const auto choice = lights.choose(vertex.position(), uniforms.choice);
   if (!choice) co_return Color();
   // The number that chose the light is used up; which part of it comes from a number of its own.
   uniforms.choice = path.random().nextHash();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "core/render/message_log.h"
 #include "core/render/prepared_scene.h"
@@ -74,6 +75,8 @@ void KernelQueues::prepareLayout(Queue& queue) const {
   }
   for (const jit::OutputComponent& output : outputs) {
     queue.destinations.push_back(coefficientOffset(output));
+    queue.mayBeNegative.push_back(output.kind == lang::OutputKind::emission ||
+                                  output.kind == lang::OutputKind::lobeAnisotropy);
     if (output.kind == lang::OutputKind::lobeAnisotropy) queue.lobes = std::max(queue.lobes, output.index + 1);
   }
   queue.copiesSigmaS = queue.lobes == 1;
@@ -98,14 +101,14 @@ void KernelQueues::gather(const Queue& queue, std::span<PathContext* const> path
   for (std::size_t lane = 0; lane < running_.size(); ++lane) {
     const PathContext& path = *paths[running_[lane].slot];
     const Question& question = path.questions()[running_[lane].question];
-    const shading::ShadingPoint* source = question.surfacePoint;
     if (question.medium) {
       point.set(lang::Global::P, question.point);
       point.set(lang::Global::I, path.direction());
       point.set(lang::Global::time, path.time());
-      source = &point;
+      batch_.set(static_cast<int>(lane), point, scene_.mediumShaders[question.medium->index].index);
+    } else {
+      batch_.set(static_cast<int>(lane), *question.surfacePoint, question.surface.index);
     }
-    batch_.set(static_cast<int>(lane), *source, instanceOf(question).index);
   }
 }
 
@@ -123,21 +126,57 @@ void KernelQueues::checkCoefficients(volume::Coefficients& answer, const Questio
   mend(answer.sigmaT, false);
   mend(answer.sigmaS, false);
   mend(answer.emission, true);
-  for (volume::Lobe& lobe : answer.lobes) {
+  for (std::uint32_t i = 0; i < answer.lobeCount; ++i) {
+    volume::Lobe& lobe = answer.lobes[i];
     mend(lobe.sigmaS, false);
     if (!std::isfinite(lobe.anisotropy)) lobe.anisotropy = 0;
   }
 }
 
+/// Whether all results of the batch are finite, and those that must be are not negative. One pass without branches.
+bool KernelQueues::allSound(const Queue& queue) const {
+  bool sound = true;
+  for (std::size_t k = 0; k < queue.destinations.size(); ++k) {
+    const float* values = batch_.output(k);
+    // NaN fails both comparisons.
+    const float least = queue.mayBeNegative[k] ? std::numeric_limits<float>::lowest() : 0.0f;
+    for (std::size_t lane = 0; lane < running_.size(); ++lane) {
+      sound &= values[lane] >= least && values[lane] <= std::numeric_limits<float>::max();
+    }
+  }
+  return sound;
+}
+
 void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths) {
+  const bool sound = allSound(queue);
+  const std::size_t outputs = queue.destinations.size();
   for (std::size_t lane = 0; lane < running_.size(); ++lane) {
     PathContext& path = *paths[running_[lane].slot];
     volume::Coefficients& answer = path.answer(running_[lane].question);
-    answer = {};
+    answer.emission = Color();
     auto* floats = reinterpret_cast<float*>(&answer);
-    for (std::size_t k = 0; k < queue.destinations.size(); ++k) floats[queue.destinations[k]] = batch_.output(k)[lane];
+    for (std::size_t k = 0; k < outputs; ++k) floats[queue.destinations[k]] = batch_.output(k)[lane];
     answer.lobeCount = queue.lobes;
     if (queue.copiesSigmaS) answer.lobes[0].sigmaS = answer.sigmaS;
+    if (!sound) [[unlikely]]
+      checkCoefficients(answer, path.questions()[running_[lane].question], path);
+  }
+}
+
+void KernelQueues::scatterExtinction(const Queue& queue, std::span<PathContext* const> paths) {
+  const bool sound = allSound(queue);
+  const float* const r = batch_.output(0);
+  const float* const g = batch_.output(1);
+  const float* const b = batch_.output(2);
+  for (std::size_t lane = 0; lane < running_.size(); ++lane) {
+    PathContext& path = *paths[running_[lane].slot];
+    volume::Coefficients& answer = path.answer(running_[lane].question);
+    answer.sigmaT = Color(r[lane], g[lane], b[lane]);
+    if (sound) [[likely]]
+      continue;
+    answer.sigmaS = Color();
+    answer.emission = Color();
+    answer.lobeCount = 0;
     checkCoefficients(answer, path.questions()[running_[lane].question], path);
   }
 }
@@ -174,10 +213,16 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
   batch_.run(host_, static_cast<int>(running_.size()));
   count(static_cast<int>(running_.size()), batch_.interface().width);
   if (!host_.records().empty()) scene_.messages->collect(host_, batch_, running_, paths);
-  if (queue.variant == shading::Variant::surface) {
-    scatterSurfaces(queue, paths);
-  } else {
-    scatterCoefficients(queue, paths);
+  switch (queue.variant) {
+    case shading::Variant::surface:
+      scatterSurfaces(queue, paths);
+      break;
+    case shading::Variant::extinction:
+      scatterExtinction(queue, paths);
+      break;
+    case shading::Variant::coefficients:
+      scatterCoefficients(queue, paths);
+      break;
   }
   return running_;
 }

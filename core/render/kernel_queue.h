@@ -37,6 +37,7 @@ class KernelQueues {
     shading::Variant variant{};
     std::vector<PendingQuestion> questions;
     std::vector<std::size_t> destinations;  ///< Float of the answer that each output goes to.
+    std::vector<bool> mayBeNegative;        ///< By output.
     bool copiesSigmaS = false;              ///< One lobe: its σs is the sum.
     std::uint32_t lobes = 0;
     std::uint32_t sites = 0;
@@ -45,6 +46,8 @@ class KernelQueues {
   shading::InstanceRef instanceOf(const Question& question) const;
   void prepareLayout(Queue& queue) const;
   void gather(const Queue& queue, std::span<PathContext* const> paths);
+  bool allSound(const Queue& queue) const;
+  void scatterExtinction(const Queue& queue, std::span<PathContext* const> paths);
   void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);
   void scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths);
   void checkCoefficients(volume::Coefficients& answer, const Question& question, PathContext& path);

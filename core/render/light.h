@@ -55,6 +55,9 @@ class Light {
   /// Emitted power in watts (per scene unit², where lengths are scene units). `sceneRadius` bounds the scene for lights
   /// at infinity.
   virtual Color power(float sceneRadius) const = 0;
+  /// About the irradiance on all sides of a point (radiance over the whole sphere), were nothing in between: what the
+  /// choice among lights goes by. Positive wherever light can arrive.
+  virtual float importance(Point<World> at) const = 0;
   virtual bool isDelta() const = 0;
   /// Arrives from beyond the scene.
   virtual bool isInfinite() const = 0;

@@ -11,38 +11,48 @@ constexpr double equalShare = 0.1;
 }  // namespace
 
 LightSet::LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius) : lights_(std::move(lights)) {
-  std::vector<double> powers;
-  double total = 0, emitting = 0;
   for (std::uint32_t i = 0; i < lights_.size(); ++i) {
     if (lights_[i]->isInfinite() && !lights_[i]->isDelta()) infinite_.push_back(i);
-    const Color power = abs(lights_[i]->power(sceneRadius));
-    powers.push_back((static_cast<double>(power.r) + static_cast<double>(power.g) + static_cast<double>(power.b)) / 3);
-    total += powers.back();
-    if (powers.back() > 0) ++emitting;
+    if (maximum(abs(lights_[i]->power(sceneRadius))) > 0) emitting_.push_back(i);
   }
-  if (!(total > 0)) return;
-  double sum = 0;
-  for (const double power : powers) {
-    if (power > 0) sum += (1 - equalShare) * power / total + equalShare / emitting;
-    cumulative_.push_back(sum);
-  }
-  for (double& c : cumulative_) c /= sum;
 }
 
-std::optional<LightSet::Choice> LightSet::choose(float u) const {
-  if (cumulative_.empty()) return {};
-  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), static_cast<double>(u));
-  const auto index = static_cast<std::uint32_t>(std::min(found, cumulative_.end() - 1) - cumulative_.begin());
-  return Choice{index, probability(index)};
+double LightSet::totalImportance(Point<World> from) const {
+  double total = 0;
+  for (const std::uint32_t i : emitting_) total += static_cast<double>(lights_[i]->importance(from));
+  return total;
 }
 
-float LightSet::probability(std::uint32_t index) const {
-  if (cumulative_.empty()) return 0;
-  return static_cast<float>(cumulative_[index] - (index > 0 ? cumulative_[index - 1] : 0));
+double LightSet::share(std::uint32_t index, Point<World> from) const {
+  return static_cast<double>(lights_[index]->importance(from));
+}
+
+std::optional<LightSet::Choice> LightSet::choose(Point<World> from, float u) const {
+  if (emitting_.empty()) return {};
+  if (emitting_.size() == 1) return Choice{emitting_[0], 1};
+  const double total = totalImportance(from);
+  const double equal = 1 / static_cast<double>(emitting_.size());
+  double rest = static_cast<double>(u);
+  Choice choice;
+  for (const std::uint32_t i : emitting_) {
+    const double probability = total > 0 ? (1 - equalShare) * share(i, from) / total + equalShare * equal : equal;
+    choice = {i, static_cast<float>(probability)};
+    if (rest < probability) break;
+    rest -= probability;  // Rounding may leave something behind the last light: it stays chosen.
+  }
+  return choice;
+}
+
+float LightSet::probability(std::uint32_t index, Point<World> from) const {
+  if (std::find(emitting_.begin(), emitting_.end(), index) == emitting_.end()) return 0;
+  if (emitting_.size() == 1) return 1;
+  const double total = totalImportance(from);
+  const double equal = 1 / static_cast<double>(emitting_.size());
+  return static_cast<float>(total > 0 ? (1 - equalShare) * share(index, from) / total + equalShare * equal : equal);
 }
 
 std::optional<LightSample> LightSet::sample(Point<World> from, float u, const LightUniforms& uniforms) const {
-  const std::optional<Choice> choice = choose(u);
+  const std::optional<Choice> choice = choose(from, u);
   if (!choice) return {};
   std::optional<LightSample> sample = lights_[choice->index]->sample(from, uniforms);
   if (sample) sample->pdf *= choice->probability;
@@ -50,11 +60,11 @@ std::optional<LightSample> LightSet::sample(Point<World> from, float u, const Li
 }
 
 float LightSet::pdf(std::uint32_t index, Point<World> from, const LightHit& hit) const {
-  return probability(index) * lights_[index]->pdf(from, hit);
+  return probability(index, from) * lights_[index]->pdf(from, hit);
 }
 
 float LightSet::pdfEscaped(std::uint32_t index, Point<World> from, Vector<World> direction) const {
-  return probability(index) * lights_[index]->pdfEscaped(from, direction);
+  return probability(index, from) * lights_[index]->pdfEscaped(from, direction);
 }
 
 }  // namespace aerosol::render

@@ -11,8 +11,8 @@
 
 namespace aerosol::render {
 
-/// Chooses lights in proportion to their power, mixed with one part in ten of equal chances so that no light that
-/// emits becomes too rare. Lights without power are never chosen.
+/// Chooses lights in proportion to their importance at the point, mixed with one part in ten of equal chances so that
+/// no light that emits becomes too rare. Lights without power are never chosen. Cost grows with the number of lights.
 class LightSet {
  public:
   struct Choice {
@@ -30,9 +30,9 @@ class LightSet {
   std::span<const std::uint32_t> infinite() const { return infinite_; }
 
   /// `u` in [0, 1); none when no light emits.
-  std::optional<Choice> choose(float u) const;
+  std::optional<Choice> choose(Point<World> from, float u) const;
   /// With which `choose` takes the light.
-  float probability(std::uint32_t index) const;
+  float probability(std::uint32_t index, Point<World> from) const;
 
   /// A sample of one light, chosen by `u`; the choice's probability is part of its pdf.
   std::optional<LightSample> sample(Point<World> from, float u, const LightUniforms& uniforms) const;
@@ -43,7 +43,10 @@ class LightSet {
  private:
   std::vector<std::unique_ptr<const Light>> lights_;
   std::vector<std::uint32_t> infinite_;
-  std::vector<double> cumulative_;  ///< Of the choice's probabilities; empty when no light emits.
+  double share(std::uint32_t index, Point<World> from) const;
+  double totalImportance(Point<World> from) const;
+
+  std::vector<std::uint32_t> emitting_;  ///< Lights with power.
 };
 
 }  // namespace aerosol::render

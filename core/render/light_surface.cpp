@@ -61,9 +61,12 @@ class MeshLight final : public LightSurface {
   explicit MeshLight(const accel::TriangleMesh& mesh) : mesh_(&mesh) {
     cumulative_.reserve(mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      area_ += 0.5 * length(doubleAreaNormal(i));
+      const double part = 0.5 * length(doubleAreaNormal(i));
+      area_ += part;
       cumulative_.push_back(area_);
+      centre_ = centre_ + (corner(i, 0) + corner(i, 1) + corner(i, 2)) * (part / 3);
     }
+    if (area_ > 0) centre_ = centre_ * (1 / area_);
   }
 
   std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
@@ -82,6 +85,7 @@ class MeshLight final : public LightSurface {
   }
 
   double area() const override { return area_; }
+  Point<World> centre() const override { return toFloat<Point<World>>(centre_); }
 
  private:
   Vec corner(std::size_t triangle, std::size_t i) const {
@@ -91,6 +95,7 @@ class MeshLight final : public LightSurface {
 
   const accel::TriangleMesh* mesh_;
   std::vector<double> cumulative_;
+  Vec centre_;
   double area_ = 0;
 };
 
@@ -112,6 +117,7 @@ class FlatLight : public LightSurface {
   }
 
   double area() const override { return area_; }
+  Point<World> centre() const override { return toFloat<Point<World>>(centre_); }
 
  protected:
   std::optional<SurfaceSample> sampleAt(Point<World> from, double x, double y) const {
@@ -181,6 +187,7 @@ class SphereLight final : public LightSurface {
   }
 
   double area() const override { return area_; }
+  Point<World> centre() const override { return toFloat<Point<World>>(centre_); }
 
  private:
   /// The directions from a point to the sphere.
@@ -250,24 +257,29 @@ class SphereLight final : public LightSurface {
   bool flipped_ = false, isRound_ = false;
 };
 
+template <class Surface, class... Arguments>
+std::unique_ptr<const LightSurface> makeWithArea(const Arguments&... arguments) {
+  auto surface = std::make_unique<Surface>(arguments...);
+  if (!(surface->area() > 0)) return nullptr;
+  return surface;
+}
+
 }  // namespace
 
 std::unique_ptr<const LightSurface> makeMeshLight(const accel::TriangleMesh& mesh) {
-  auto light = std::make_unique<MeshLight>(mesh);
-  if (!(light->area() > 0)) return nullptr;
-  return light;
+  return makeWithArea<MeshLight>(mesh);
 }
 
 std::unique_ptr<const LightSurface> makeRectangleLight(const Transform<World, Object>& toWorld, bool flipNormals) {
-  return std::make_unique<RectangleLight>(toWorld, flipNormals);
+  return makeWithArea<RectangleLight>(toWorld, flipNormals);
 }
 
 std::unique_ptr<const LightSurface> makeDiskLight(const Transform<World, Object>& toWorld, bool flipNormals) {
-  return std::make_unique<DiskLight>(toWorld, flipNormals);
+  return makeWithArea<DiskLight>(toWorld, flipNormals);
 }
 
 std::unique_ptr<const LightSurface> makeSphereLight(const Transform<World, Object>& toWorld, bool flipNormals) {
-  return std::make_unique<SphereLight>(toWorld, flipNormals);
+  return makeWithArea<SphereLight>(toWorld, flipNormals);
 }
 
 }  // namespace aerosol::render

@@ -28,11 +28,14 @@ class LightSurface {
   virtual std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const = 0;
   /// The density of `sample` at a hit; 0 at its back.
   virtual float pdf(Point<World> from, const LightHit& hit) const = 0;
-  virtual double area() const = 0;  ///< Scene units².
+  virtual double area() const = 0;          ///< Scene units².
+  virtual Point<World> centre() const = 0;  ///< Mean of its points.
 };
 
+// Each of these is null when the surface has no area.
+
 /// Uniform by area over all triangles. The mesh has its flags carried out (accel::resolveNormals) and must outlive the
-/// surface; none when it has no area.
+/// surface.
 std::unique_ptr<const LightSurface> makeMeshLight(const accel::TriangleMesh& mesh);
 
 /// The square [-1, 1]² of the xy plane, facing +z; uniform by area.

@@ -86,7 +86,7 @@ Task<Color> mediumTransmittance(PathContext& path, Ray<World> ray, MediumSpan sp
     case DistanceMethod::closedForm:
       break;
   }
-  co_return exp(span.medium->constant->sigmaT * (span.t0 - span.t1));
+  co_return exp(volume::opticalDepth(span.medium->constant->sigmaT, span.t1 - span.t0) * -1.0f);
 }
 
 /// Spans of all media between the ray's ends, surface-defined ones included.

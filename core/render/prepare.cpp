@@ -93,7 +93,12 @@ class Preparation {
   void placeMedia() {
     scene_->media.reserve(description_.volumes.size() + 2 * description_.shapes.size() + 1);
     for (const scene::Volume& volume : description_.volumes) {
-      scene_->volumes.push_back(place(volume.medium, volume.toWorld, description_.samplingOf(volume)));
+      const VolumeType* type = registry_.volume(volume.type);
+      if (!type) {
+        errors_.error(volume.origin.location, fmt::format("there is no volume of type '{}'", volume.type));
+        continue;
+      }
+      scene_->volumes.push_back(place(volume.medium, type->place(volume), description_.samplingOf(volume)));
     }
     for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
       const scene::Shape& shape = description_.shapes[i];
@@ -170,16 +175,7 @@ class Preparation {
   }
 
   static Transform<World, Object> sphereToWorld(const scene::Shape& shape) {
-    Matrix4 place = identityMatrix();
-    Matrix4 inverse = identityMatrix();
-    const double radius = shape.radius;
-    for (std::size_t i = 0; i < 3; ++i) {
-      place[i][i] = radius;
-      place[i][3] = shape.center[static_cast<int>(i)];
-      inverse[i][i] = 1 / radius;
-      inverse[i][3] = -place[i][3] / radius;
-    }
-    return {multiply(shape.toWorld.matrix(), place), multiply(inverse, shape.toWorld.inverseMatrix())};
+    return ballPlacement(shape.toWorld, shape.center, shape.radius);
   }
 
   Result<accel::ObjectId> addShape(const scene::Shape& shape, bool passThrough) {
@@ -205,12 +201,8 @@ class Preparation {
   void addVolumes() {
     for (std::size_t i = 0; i < description_.volumes.size(); ++i) {
       const scene::Volume& volume = description_.volumes[i];
-      const VolumeType* type = registry_.volume(volume.type);
-      if (!type) {
-        errors_.error(volume.origin.location, fmt::format("there is no volume of type '{}'", volume.type));
-        continue;
-      }
-      auto shape = type->make(volume);
+      const VolumeType& type = *registry_.volume(volume.type);
+      auto shape = type.make(type.place(volume));
       const Box<World> bounds = shape->worldBounds();
       placements_[scene_->volumes[i]->index].extent = length(bounds.upper - bounds.lower);
       if (auto added = builder_.addVolume(std::move(shape)); !added) errors_.append(added.errors());

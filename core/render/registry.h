@@ -51,10 +51,12 @@ struct NamedIntegrator {
   std::shared_ptr<const Integrator> integrator;
 };
 
-/// A volume primitive type: its parameters in scenes, and how one is made.
+/// A volume primitive type: its parameters in scenes, where one is placed, and its shape.
 struct VolumeType {
   scene::VolumeType described;
-  std::function<std::unique_ptr<const accel::ConvexVolume>(const scene::Volume&)> make;
+  /// From the primitive's canonical space (a unit ball, the box [-1, 1]³ …), which is the "object" space of its shader.
+  std::function<Transform<World, Object>(const scene::Volume&)> place;
+  std::function<std::unique_ptr<const accel::ConvexVolume>(const Transform<World, Object>&)> make;
 };
 
 /// Filled once by `registerPlugins`, then const. Names are unique within a kind.

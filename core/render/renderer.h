@@ -24,7 +24,7 @@ struct RenderOptions {
   int threads = 0;                                ///< 0: one a processor.
   std::uint32_t firstSample = 0;                  ///< Of every pixel.
   std::uint32_t endSample = 16;                   ///< Behind the last.
-  int pathsInFlight = 1024;                       ///< Of one thread.
+  int pathsInFlight = 512;                        ///< Of one thread.
   int batchSize = 1024;                           ///< Points of one kernel call, at most.
   std::function<void(const Progress&)> progress;  ///< May be empty.
   const std::atomic<bool>* stop = nullptr;  ///< Set by somebody: the render ends soon; the film keeps what is complete.

@@ -38,14 +38,15 @@ struct TrackerStatistics {
   std::uint64_t boundViolations = 0;  ///< Points whose extinction exceeded the bound in force.
   float worstViolation = 0;           ///< Largest extinction / bound seen.
   std::uint32_t worstMedium = 0;      ///< Where it was seen.
-  std::uint64_t stepLimits = 0;       ///< Segments given up after `maximumSteps` collisions.
+  std::uint64_t stepLimits = 0;       ///< Segments with more than `maximumSteps` collisions or cells.
 };
 
 inline constexpr int maximumSteps =
-    1 << 22;  ///< Tentative collisions in one segment before it is given up and counted.
+    1 << 22;  ///< Tentative collisions in one segment before it is given up and counted; marching cells at most.
 
 /// The trackers' door to the shaders. A tracker asks for any number of points, suspends once, and reads the answers in
-/// the order of the questions. They stay valid until the next `ask`. For `Quantity::extinction` only sigmaT is set.
+/// the order of the questions. They stay valid until the next `ask`. For `Quantity::extinction` only sigmaT is set;
+/// of the lobes only the first `lobeCount` are.
 template <class E>
 concept Evaluator =
     HasFrames<E> && requires(E& evaluator, const Medium& medium, Point<World> point, Quantity quantity) {

@@ -18,6 +18,15 @@ using volume::DistanceEvent;
 using volume::Medium;
 using volume::Task;
 
+/// Every vertex has its own slots of the sample stream, whatever was drawn before: samples of a pixel stay stratified
+/// against each other vertex by vertex. Slots before are the camera's.
+constexpr std::uint32_t cameraSlots = 2;
+constexpr std::uint32_t vertexSlots = 4;
+
+void beginVertex(PathContext& path, int length) {
+  path.random().skipTo(cameraSlots + vertexSlots * static_cast<std::uint32_t>(length - 1));
+}
+
 /// A path as it grows.
 struct PathState {
   Ray<World> ray;
@@ -42,6 +51,7 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   const PreparedScene& scene = path.scene();
   const MediumVertex vertex(*scene.phase, accel::pointAt(state.ray, event.t), state.ray.direction, event.anisotropy);
   if (state.length == scene.path.maxDepth) co_return false;
+  beginVertex(path, state.length);
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time, state.boundaryMedium);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
   state.direction = {vertex.position(), next.pdf, next.isDelta};
@@ -63,6 +73,7 @@ Task<bool> scatterOnSurface(PathContext& path, PathState& state, Radiance& radia
   radiance.color += state.throughput * closures.mix().emitted();
   if (state.length == scene.path.maxDepth) co_return false;
 
+  beginVertex(path, state.length);
   const SurfaceVertex vertex(hit, closures.mix());
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time, state.boundaryMedium);
   ClosureUniforms uniforms;

@@ -30,6 +30,12 @@ class AreaLight final : public Light {
   Color power(float) const override {
     return radiance_ * (std::numbers::pi_v<float> * static_cast<float>(surface_->area()));
   }
+  /// Its area over the squared distance, but no more than half of the directions.
+  float importance(Point<World> at) const override {
+    const auto area = static_cast<float>(surface_->area());
+    const float away = squaredLength(surface_->centre() - at);
+    return average(abs(radiance_)) * area / (away + area / (2 * std::numbers::pi_v<float>));
+  }
   bool isDelta() const override { return false; }
   bool isInfinite() const override { return false; }
 

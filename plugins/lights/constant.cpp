@@ -32,6 +32,7 @@ class ConstantLight final : public Light {
     constexpr float pi = std::numbers::pi_v<float>;
     return radiance_ * (4 * pi * pi * sceneRadius * sceneRadius);
   }
+  float importance(Point<World>) const override { return average(abs(radiance_)) * (4 * std::numbers::pi_v<float>); }
   bool isDelta() const override { return false; }
   bool isInfinite() const override { return true; }
 

@@ -20,6 +20,7 @@ class DirectionalLight final : public Light {
   Color power(float sceneRadius) const override {
     return irradiance_ * (std::numbers::pi_v<float> * sceneRadius * sceneRadius);
   }
+  float importance(Point<World>) const override { return average(abs(irradiance_)); }
   bool isDelta() const override { return true; }
   bool isInfinite() const override { return true; }
 

@@ -1,6 +1,8 @@
 // A point that shines alike in all directions.
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/render/registry.h"
@@ -31,6 +33,9 @@ class PointLight final : public Light {
   }
 
   Color power(float) const override { return intensity_ * (4 * std::numbers::pi_v<float>); }
+  float importance(Point<World> at) const override {
+    return average(abs(intensity_)) / std::max(squaredLength(position_ - at), std::numeric_limits<float>::min());
+  }
   bool isDelta() const override { return true; }
   bool isInfinite() const override { return false; }
 

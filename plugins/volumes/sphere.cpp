@@ -6,19 +6,13 @@ namespace aerosol::render {
 
 namespace {
 
-std::unique_ptr<const accel::ConvexVolume> make(const scene::Volume& volume) {
+Transform<World, Object> place(const scene::Volume& volume) {
   const auto center = volume.get<Point<scene::Unplaced>>("center");
-  const double radius = volume.get<float>("radius");
-  Matrix4 place = identityMatrix();
-  Matrix4 inverse = identityMatrix();
-  for (std::size_t i = 0; i < 3; ++i) {
-    place[i][i] = radius;
-    place[i][3] = center[static_cast<int>(i)];
-    inverse[i][i] = 1 / radius;
-    inverse[i][3] = -place[i][3] / radius;
-  }
-  return std::make_unique<accel::SphereVolume>(Transform<World, Object>(
-      multiply(volume.toWorld.matrix(), place), multiply(inverse, volume.toWorld.inverseMatrix())));
+  return ballPlacement(volume.toWorld, Point<Object>(center.x, center.y, center.z), volume.get<float>("radius"));
+}
+
+std::unique_ptr<const accel::ConvexVolume> make(const Transform<World, Object>& toWorld) {
+  return std::make_unique<accel::SphereVolume>(toWorld);
 }
 
 }  // namespace
@@ -37,6 +31,7 @@ void registerVolume_sphere(Registry& registry) {
                                                         .doc = "radius, in the primitive's own space",
                                                         .defaultValue = 1.0f,
                                                         .range = scene::Range::positive()}}},
+                          .place = place,
                           .make = make});
 }
 

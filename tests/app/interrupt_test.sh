@@ -3,6 +3,10 @@
 source "${BASH_SOURCE[0]%/*}/library.sh"
 set -m  # Children of a shell without job control ignore SIGINT.
 
+# Shaders in the cache: nothing takes long before the render begins.
+expect 0 render "$input/fog.xml" --quiet -o first.png
+rm first.png
+
 # start ARGS…: a render that takes hours, in the background; waits until it is under way.
 start() {
   "$aerosol" render "$input/fog.xml" --spp 100000000 "$@" >out 2>err &

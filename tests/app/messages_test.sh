@@ -6,7 +6,7 @@ cat >talk.osl <<'OSL'
 volume talk() {
   printf("at %d\n", 7);
   warning("odd");
-  Ci = anisotropic_vdf(color(0.5), color(1), 0.0);
+  Ci = anisotropic_vdf(color(0.5), color(2 - length(P)), 0.0);
 }
 OSL
 sed 's/type="fog" id="fog"/type="talk"/' "$input/fog.xml" >talk.xml

@@ -32,6 +32,11 @@ said out "density"
 expect 2 help prespective
 said err "did you mean 'perspective'"
 
+code=0
+"$aerosol" help >/dev/full 2>err || code=$?
+[ "$code" = 1 ] || fail "output that cannot be written ends with $code"
+said err "cannot write to the standard output"
+
 expect 0 --version
 for library in LLVM clang Embree OpenImageIO OpenColorIO OpenEXR pugixml fmt Imath xxHash CLI11; do
   grep -qE "^  $library [0-9]+\.[0-9]+" "$work/out" || fail "no version of $library"

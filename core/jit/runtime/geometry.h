@@ -30,8 +30,8 @@ AEROSOL_INLINE F length(const Triple<F>& v) {
   if (!any(extreme)) [[likely]]
     return plain;
   const I small = less(squares, F(1.0f));
-  const F up = select(small, F(18446744073709551616.0f), F(5.42101086e-20f));  // 2^64, 2^-64
-  const F down = select(small, F(5.42101086e-20f), F(18446744073709551616.0f));
+  const F up = select(small, F(1.26765060e+30f), F(7.88860905e-31f));  // 2^100, 2^-100
+  const F down = select(small, F(7.88860905e-31f), F(1.26765060e+30f));
   return select(extreme, rawSqrt(lengthSquared(v * up)) * down, plain);
 }
 template <class F>
@@ -48,7 +48,7 @@ AEROSOL_INLINE Triple<F> normalize(const Triple<F>& v) {
   Triple<F> scaled = v;
   F norm = rawSqrt(squares);
   if (any(extreme)) [[unlikely]] {
-    const F up = select(less(squares, F(1.0f)), F(18446744073709551616.0f), F(5.42101086e-20f));
+    const F up = select(less(squares, F(1.0f)), F(1.26765060e+30f), F(7.88860905e-31f));
     scaled = v * select(extreme, up, F(1.0f));
     norm = rawSqrt(lengthSquared(scaled));
   }

@@ -12,7 +12,9 @@ AEROSOL_INLINE F cbrt(F x) {
   using I = IntOf<F>;
   const F magnitude = abs(x);
   const I tiny = less(magnitude, F(smallestNormal));
-  const F a = select(tiny, magnitude * F(16777216.0f), magnitude);
+  const I huge = greater(magnitude, F(1e37f));
+  const F scale = select(tiny, F(16777216.0f), select(huge, F(5.96046448e-08f), F(1.0f)));  // 2^24, 2^-24
+  const F a = magnitude * scale;
   const I guess = toIntUnchecked(toFloat(asInt(a)) * F(0.333333333f)) + I(0x2a5137a0);
   F y = asFloat(guess);
   for (int step = 0; step < 2; ++step) {
@@ -23,7 +25,7 @@ AEROSOL_INLINE F cbrt(F x) {
   const F squareLow = fma(y, y, -square);
   const F residual = fma(square, y, -a) + squareLow * y;
   y = y - residual / (square * F(3.0f));
-  y = select(tiny, y * F(0.00390625f), y);
+  y = y * select(tiny, F(0.00390625f), select(huge, F(256.0f), F(1.0f)));
   const I plain = greater(magnitude, F(0.0f)) & less(magnitude, F(infinity));
   return select(plain, copySign(y, x), x);
 }

@@ -81,6 +81,16 @@ AEROSOL_INLINE IntOf<U> noBits(U h, std::uint32_t bits) {
   return equal(h & U(bits), U(0u));
 }
 
+/// `select` on bits for a single lane, which would otherwise become a jump that is predicted wrongly half of the time.
+template <FloatLanes F>
+AEROSOL_INLINE F pick(IntOf<F> mask, F a, F b) {
+  if constexpr (widthOf<F> == 1) {
+    return asFloat(asInt(b) ^ ((asInt(a) ^ asInt(b)) & mask));
+  } else {
+    return select(mask, a, b);
+  }
+}
+
 /// Gradient · offset. The gradients: ±1 … ±8; (±1, ±2) and (±2, ±1); the midpoints of a cube's edges, four of them
 /// twice; the midpoints of a hypercube's edges.
 template <FloatLanes F>
@@ -92,8 +102,8 @@ AEROSOL_INLINE F gradient(UintOf<F> h, F x) {
 template <FloatLanes F>
 AEROSOL_INLINE F gradient(UintOf<F> h, F x, F y) {
   const auto first = noBits(h, 4);
-  const F u = select(first, x, y);
-  const F v = select(first, y, x);
+  const F u = pick(first, x, y);
+  const F v = pick(first, y, x);
   return fma(flipSign(v, h, 1), F(2.0f), flipSign(u, h, 0));
 }
 template <FloatLanes F>
@@ -109,8 +119,8 @@ AEROSOL_INLINE F gradient(UintOf<F> h, F x, F y, F z) {
     }
   }
   using U = UintOf<F>;
-  const F u = select(noBits(h, 8), x, y);
-  const F v = select(noBits(h, 12), y, select(equal(h & U(13u), U(12u)), x, z));
+  const F u = pick(noBits(h, 8), x, y);
+  const F v = pick(noBits(h, 12), y, pick(equal(h & U(13u), U(12u)), x, z));
   return flipSign(u, h, 0) + flipSign(v, h, 1);
 }
 template <FloatLanes F>
@@ -119,9 +129,9 @@ AEROSOL_INLINE F gradient(UintOf<F> h, F x, F y, F z, F w) {
   const auto low = noBits(h, 24);    // h < 8
   const auto lower = noBits(h, 16);  // h < 16
   const auto top = equal(h & U(24u), U(24u));
-  const F u = select(top, y, x);
-  const F v = select(lower, y, z);
-  const F s = select(low, z, w);
+  const F u = pick(top, y, x);
+  const F v = pick(lower, y, z);
+  const F s = pick(low, z, w);
   return flipSign(u, h, 0) + flipSign(v, h, 1) + flipSign(s, h, 2);
 }
 

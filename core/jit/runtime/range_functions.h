@@ -20,10 +20,7 @@ namespace detail {
 template <FloatLanes F>
 AEROSOL_INLINE F directionEnd(F x, F othersLo, F othersHi, IntOf<F> outwards) {
   const F others = select(outwards, othersLo, othersHi);
-  // Scaled by its own size, so that nothing underflows: sign(x) / sqrt(1 + others / x^2).
-  const F ratio = others / (x * x);
-  const F size = F(1.0f) / rawSqrt(F(1.0f) + ratio);
-  return select(equal(x, F(0.0f)), F(0.0f), copySign(size, x));
+  return select(equal(x, F(0.0f)), F(0.0f), x / rawSqrt(fma(x, x, others)));
 }
 
 template <FloatLanes F>
@@ -31,13 +28,18 @@ AEROSOL_INLINE Range<F> directionComponent(const Range<F>& x, const Range<F>& yS
   using I = IntOf<F>;
   const F least = ySquare.lo + zSquare.lo;
   const F most = ySquare.hi + zSquare.hi;
-  const F lo = directionEnd(x.lo, least, most, less(x.lo, F(0.0f)));
-  const F hi = directionEnd(x.hi, least, most, greater(x.hi, F(0.0f)));
+  // Ends next to 0, whose squares underflow, are moved outwards.
+  const F tiny = F(1e-15f);
+  const I tinyLo = less(abs(x.lo), tiny);
+  const I tinyHi = less(abs(x.hi), tiny);
+  const F low = select(tinyLo, select(less(x.lo, F(0.0f)), -tiny, F(0.0f)), x.lo);
+  const F high = select(tinyHi, select(greater(x.hi, F(0.0f)), tiny, F(0.0f)), x.hi);
+  const F lo = directionEnd(low, least, most, less(low, F(0.0f)));
+  const F hi = directionEnd(high, least, most, greater(high, F(0.0f)));
   const Range<F> ends = widened(lo, hi, I(0), 16.0f);
   // Where squares leave the normal floats the quotient says nothing.
-  const F size = max(abs(x.lo), abs(x.hi));
-  const I trusted = less(size, F(1e18f)) & less(most, F(1e37f)) & (greater(least, F(1e-30f)) | equal(least, F(0.0f))) &
-                    (greater(min(abs(x.lo), abs(x.hi)), F(1e-15f)) | contains(x, 0.0f)) & greater(size, F(1e-15f));
+  const I trusted = less(max(abs(x.lo), abs(x.hi)), F(1e18f)) & less(most, F(1e37f)) &
+                    (greater(least, F(1e-30f)) | equal(least, F(0.0f)));
   const F limit = F(1.000001f);
   const F anyLo = select(less(x.lo, F(0.0f)), -limit, F(0.0f));
   const F anyHi = select(greater(x.hi, F(0.0f)), limit, F(0.0f));

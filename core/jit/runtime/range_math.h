@@ -4,7 +4,7 @@
 
 #include "core/jit/runtime/math_special.h"
 #include "core/jit/runtime/math_trigonometric.h"
-#include "core/jit/runtime/range.h"
+#include "core/jit/runtime/range_int.h"
 
 namespace aerosol::jit::runtime {
 
@@ -235,7 +235,7 @@ AEROSOL_INLINE Range<F> mixAt(const Range<F>& x, const Range<F>& y, F a) {
 template <FloatLanes F>
 AEROSOL_INLINE Range<F> mix(const Range<F>& x, const Range<F>& y, const Range<F>& a) {
   Range<F> result = join(detail::mixAt(x, y, a.lo), detail::mixAt(x, y, a.hi));
-  result.nan |= a.nan;
+  result.nan |= a.nan | detail::mayBeInfinite(x) | detail::mayBeInfinite(y) | detail::mayBeInfinite(a);
   const F factor = max(max(abs(a.lo), abs(a.hi)), F(1.0f));
   const F slack = max(max(abs(x.lo), abs(x.hi)), max(abs(y.lo), abs(y.hi))) * factor * F(5e-7f);
   const auto finite = less(slack, F(infinity));

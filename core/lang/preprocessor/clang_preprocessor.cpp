@@ -180,6 +180,22 @@ class Places {
 
 // Messages -----------------------------------------------------------------------------------------------------------
 
+/// A message at a location that may be invalid.
+void sendMessage(Client& client, Places& places, const clang::SourceManager& sources, MessageLevel level,
+                 clang::SourceLocation location, std::string_view text, std::string_view missingInclude = {}) {
+  MessageEvent message;
+  message.level = level;
+  message.place = places.file(location);
+  message.text = text;
+  message.missingInclude = missingInclude;
+  const clang::PresumedLoc presumed = location.isValid() ? sources.getPresumedLoc(location) : clang::PresumedLoc();
+  if (presumed.isValid()) {
+    message.fileName = presumed.getFilename();
+    message.line = presumed.getLine();
+  }
+  client.message(message);
+}
+
 class Collector final : public clang::DiagnosticConsumer {
  public:
   Collector(Client& client, std::uint32_t maximumErrors) : client_(client), maximumErrors_(maximumErrors) {}
@@ -200,35 +216,23 @@ class Collector final : public clang::DiagnosticConsumer {
     if (level == Level::Note) {
       if (dropped_) return;
     } else {
-      dropped_ = isReportedByTheLexer(id);
+      dropped_ = isReportedByTheLexer(id) || (id == clang::diag::ext_pp_undef_builtin_macro && isPredefined(info));
       if (dropped_) return;
     }
     if (leavesSomethingOut(id)) incomplete_ = true;
     llvm::SmallString<128> text;
     info.FormatDiagnostic(text);
-    MessageEvent message;
-    message.level = level == Level::Note      ? MessageLevel::note
-                    : level == Level::Warning ? MessageLevel::warning
-                                              : MessageLevel::error;
-    message.text = view(text);
-    message.place = {noFile, 0, 0};
-    clang::PresumedLoc presumed;
-    if (sources_ && info.getLocation().isValid()) {
-      const clang::SourceLocation location = sources_->getFileLoc(info.getLocation());
-      message.place = places_->file(location);
-      presumed = sources_->getPresumedLoc(location);
-      if (presumed.isValid()) {
-        message.fileName = presumed.getFilename();
-        message.line = presumed.getLine();
-      }
-    }
     std::string missing;
     if (id == clang::diag::err_pp_file_not_found && info.getNumArgs() > 0 &&
         info.getArgKind(0) == clang::DiagnosticsEngine::ak_std_string) {
       missing = info.getArgStdStr(0);
-      message.missingInclude = missing;
     }
-    client_.message(message);
+    clang::SourceLocation location = info.getLocation();
+    if (location.isValid()) location = sources_->getFileLoc(location);
+    const MessageLevel messageLevel = level == Level::Note      ? MessageLevel::note
+                                      : level == Level::Warning ? MessageLevel::warning
+                                                                : MessageLevel::error;
+    sendMessage(client_, *places_, *sources_, messageLevel, location, view(text), missing);
   }
 
  private:
@@ -242,6 +246,10 @@ class Collector final : public clang::DiagnosticConsumer {
       default:
         return false;
     }
+  }
+
+  bool isPredefined(const clang::Diagnostic& info) const {
+    return info.getLocation().isValid() && sources_->isWrittenInBuiltinFile(info.getLocation());
   }
 
   static bool leavesSomethingOut(unsigned id) {
@@ -302,20 +310,11 @@ class MessagePragma final : public clang::PragmaHandler {
       : PragmaHandler(name), level_(level), client_(client), places_(places) {}
 
   void HandlePragma(clang::Preprocessor& preprocessor, clang::PragmaIntroducer, clang::Token& first) override {
-    auto& sources = preprocessor.getSourceManager();
+    const auto& sources = preprocessor.getSourceManager();
     const clang::SourceLocation location = sources.getFileLoc(first.getLocation());
     std::string text = restOfLine(preprocessor);
     if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
-    MessageEvent message;
-    message.level = level_;
-    message.place = places_.file(location);
-    const clang::PresumedLoc presumed = sources.getPresumedLoc(location);
-    if (presumed.isValid()) {
-      message.fileName = presumed.getFilename();
-      message.line = presumed.getLine();
-    }
-    message.text = text;
-    client_.message(message);
+    sendMessage(client_, places_, sources, level_, location, text);
   }
 
  private:
@@ -401,7 +400,8 @@ class Run {
     diagnostics_.setFatalsAsError(true);  // Otherwise the first one silences all that follow.
     collector_.use(sources_, places_);
     preprocessor_.Initialize(*target_);
-    preprocessor_.setPredefines(std::string(request.predefines));
+    // clang 19 crashes on _Pragma in an #include: the operator is understood in `pragmaOperator` instead.
+    preprocessor_.setPredefines("#undef _Pragma\n" + std::string(request.predefines));
     addPragmas(preprocessor_, client_, places_);
     auto limit = std::make_unique<IncludeLimit>(preprocessor_);
     includeLimit_ = limit.get();
@@ -445,6 +445,8 @@ class Run {
     clang::Token token;
     for (std::uint32_t count = 0;; ++count) {
       preprocessor_.Lex(token);
+      const bool isPragma = !token.isAnnotation() && token.getIdentifierInfo() == pragmaWord_;
+      if (isPragma) pragmaOperator(token);
       if (includeLimit_->exceeded()) return stop(token, "too many files are included");
       if (token.is(clang::tok::eof)) {
         client_.end(places_.file(sources_.getFileLoc(token.getLocation())));
@@ -452,11 +454,21 @@ class Run {
       }
       if (count >= request_.maximumTokens) return stop(token, "the source is too long after preprocessing");
       if (collector_.tooManyErrors()) return stop(token, {});
-      if (token.isAnnotation()) {
-        return stop(token, "this directive has no place in a shader");
-      }
-      emit(token);
+      if (token.isAnnotation()) return stop(token, "this directive has no place in a shader");
+      if (!isPragma) emit(token);
     }
+  }
+
+  /// `_Pragma("…")`, of which `token` is the first one and becomes the last.
+  void pragmaOperator(clang::Token& token) {
+    const clang::SourceLocation location = sources_.getFileLoc(token.getLocation());
+    std::string text;
+    for (const auto kind : {clang::tok::l_paren, clang::tok::string_literal, clang::tok::r_paren}) {
+      preprocessor_.Lex(token);
+      if (token.isNot(kind)) return sendError(location, "_Pragma takes a string in parentheses");
+      if (kind == clang::tok::string_literal) text = preprocessor_.getSpelling(token);
+    }
+    if (text == "\"osl nowarn\"") client_.noWarnings(places_.file(location));
   }
 
   void emit(const clang::Token& token) {
@@ -501,21 +513,13 @@ class Run {
 
   bool stop(const clang::Token& token, std::string_view why) {
     const clang::SourceLocation location = sources_.getFileLoc(token.getLocation());
-    const Place place = places_.file(location);
-    if (!why.empty()) {
-      MessageEvent message;
-      message.level = MessageLevel::error;
-      message.place = place;
-      const clang::PresumedLoc presumed = sources_.getPresumedLoc(location);
-      if (presumed.isValid()) {
-        message.fileName = presumed.getFilename();
-        message.line = presumed.getLine();
-      }
-      message.text = why;
-      client_.message(message);
-    }
-    client_.end(place);
+    if (!why.empty()) sendError(location, why);
+    client_.end(places_.file(location));
     return false;
+  }
+
+  void sendError(clang::SourceLocation location, std::string_view text) {
+    sendMessage(client_, places_, sources_, MessageLevel::error, location, text);
   }
 
   const Request& request_;
@@ -531,6 +535,7 @@ class Run {
   clang::TrivialModuleLoader modules_;
   clang::Preprocessor preprocessor_;
   IncludeLimit* includeLimit_ = nullptr;
+  const clang::IdentifierInfo* pragmaWord_ = preprocessor_.getIdentifierInfo("_Pragma");
   clang::SourceLocation lastExpansion_;
   Place lastDefinition_;
   std::string_view lastMacro_;

@@ -37,8 +37,19 @@ struct ChannelMixture {
   float mix(Color c) const { return probability.r * c.r + probability.g * c.g + probability.b * c.b; }
 };
 
-/// (1 - exp(-x)) / x, exact to rounding as x → 0.
-inline float oneMinusExpOverX(float x) { return std::fabs(x) < 1e-8f ? 1.0f : -std::expm1(-x) / x; }
-inline Color oneMinusExpOverX(Color x) { return {oneMinusExpOverX(x.r), oneMinusExpOverX(x.g), oneMinusExpOverX(x.b)}; }
+/// σ · length, where `length` may be infinite: 0 without extinction.
+inline float opticalDepth(float sigma, float length) { return sigma > 0 ? sigma * length : 0.0f; }
+inline Color opticalDepth(Color sigma, float length) {
+  return {opticalDepth(sigma.r, length), opticalDepth(sigma.g, length), opticalDepth(sigma.b, length)};
+}
+
+/// ∫ exp(-σ s) ds over [0, length]: (1 - exp(-σ length)) / σ, exact to rounding as σ → 0. `length` may be infinite.
+inline float transmittedLength(float sigma, float length) {
+  const float depth = opticalDepth(sigma, length);
+  return depth < 1e-8f ? length : -std::expm1(-depth) / sigma;
+}
+inline Color transmittedLength(Color sigma, float length) {
+  return {transmittedLength(sigma.r, length), transmittedLength(sigma.g, length), transmittedLength(sigma.b, length)};
+}
 
 }  // namespace aerosol::volume

@@ -18,8 +18,8 @@ DistanceSample sampleHomogeneous(const Segment& segment, Color throughput, R& ra
   const float length = segment.t1 - segment.t0;
 
   DistanceSample sample;
-  const Color depth = sum.sigmaT * length;
-  if (!isBlack(sum.emission)) sample.emission = sum.emission * length * oneMinusExpOverX(depth);
+  const Color depth = opticalDepth(sum.sigmaT, length);
+  if (!isBlack(sum.emission)) sample.emission = sum.emission * transmittedLength(sum.sigmaT, length);
 
   const ChannelMixture channels(throughput);
   float u = random.next();

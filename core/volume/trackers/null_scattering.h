@@ -15,11 +15,12 @@
 namespace aerosol::volume {
 
 /// The bound in force for a medium: its bound, relaxed to 1 / step where asked (talk: "relaxing to max(μ̄,
-/// 1/stepsize)").
+/// 1/stepsize)"). A bound of 0 is never taken at its word: emission, and extinction that should not be there, are still
+/// looked for once a step.
 inline float workingBound(const Medium& medium) {
   if (medium.constant) return maximum(medium.constant->sigmaT);
   const float bound = medium.bound->value;
-  return medium.relaxesBound ? std::max(bound, 1.0f / medium.stepSize) : bound;
+  return medium.relaxesBound || !(bound > 0) ? std::max(bound, 1.0f / medium.stepSize) : bound;
 }
 
 inline void countViolation(const Medium& medium, Color sigmaT, float bound, TrackerStatistics& statistics) {
@@ -32,8 +33,28 @@ inline void countViolation(const Medium& medium, Color sigmaT, float bound, Trac
   }
 }
 
-/// Free flight at rate `bound`.
-inline float freeFlight(float u, float bound) { return -std::log1p(-u) / bound; }
+/// Free flight at rate `bound`. 1 - u is exact: u has 24 bits.
+inline float freeFlight(float u, float bound) { return -std::log(1 - u) / bound; }
+
+/// The logarithm of a product of many positive factors, at the price of one logarithm: the exponents are added up.
+class LogProduct {
+ public:
+  void multiply(float factor) {
+    product_ *= static_cast<double>(factor);
+    if (product_ < 0x1p-900 || product_ > 0x1p900) [[unlikely]]
+      rescale();
+  }
+  double logarithm() const { return std::log(product_) + exponent_ * 0.69314718055994530942; }
+
+ private:
+  void rescale() {
+    int exponent = 0;
+    product_ = std::frexp(product_, &exponent);
+    exponent_ += exponent;
+  }
+  double product_ = 1;
+  double exponent_ = 0;
+};
 
 /// A weight below this share of the incoming throughput plays Russian roulette inside a tracker.
 inline constexpr float trackerRouletteThreshold = 0.05f;
@@ -50,14 +71,17 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
   if (!(bound > 0)) co_return sample;
   const ChannelMixture channels(throughput);
 
+  // Of the chain up to t: exp(-μ̄ (t - t0)) times μ̄ and the probability of what happened, for each collision.
+  LogProduct choices;
+  const auto logPdfUpTo = [&](double end) {
+    return choices.logarithm() - static_cast<double>(bound) * (end - static_cast<double>(segment.t0));
+  };
   Color weight(1.0f);
-  float t = segment.t0;
+  double t = segment.t0;  // Far out, flights are shorter than float can add.
   for (int step = 0;; ++step) {
-    const float flight = freeFlight(random.next(), bound);
-    t += flight;
+    t += freeFlight(random.next(), bound);
     if (!(t < segment.t1)) {
-      sample.logPdf -=
-          static_cast<double>(bound) * (static_cast<double>(segment.t1) - (static_cast<double>(t) - flight));
+      sample.logPdf = logPdfUpTo(segment.t1);
       sample.weight = weight;
       co_return sample;
     }
@@ -66,9 +90,8 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
       sample.weight = weight;
       co_return sample;
     }
-    sample.logPdf += std::log(static_cast<double>(bound)) - static_cast<double>(bound) * flight;
 
-    askSegment(evaluator, segment.media, ray.at(t));
+    askSegment(evaluator, segment.media, ray.at(static_cast<float>(t)));
     const std::span<const Coefficients> answers = co_await evaluator.answers();
     CoefficientSum sum;
     std::size_t next = 0;
@@ -89,13 +112,14 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
     }
     const float scatterProbability = scatter / (scatter + pass);
     if (random.next() < scatterProbability) {
-      sample.t = t;
-      sample.logPdf += std::log(static_cast<double>(scatterProbability));
+      sample.t = static_cast<float>(t);
+      choices.multiply(bound * scatterProbability);
+      sample.logPdf = logPdfUpTo(t);
       chooseLobe(segment.media, answers, weight / (bound * scatterProbability), random.next(), sample);
       co_return sample;
     }
     const float nullProbability = 1 - scatterProbability;
-    sample.logPdf += std::log(static_cast<double>(nullProbability));
+    choices.multiply(bound * nullProbability);
     weight *= sigmaN / (bound * nullProbability);
 
     const float size = channels.mix(abs(weight));
@@ -117,7 +141,7 @@ Task<Color> ratioTracking(E& evaluator, Ray<World> ray, MediumSpan span, R& rand
   const float bound = workingBound(*span.medium);
   Color transmittance(1.0f);
   if (!(bound > 0)) co_return transmittance;
-  float t = span.t0;
+  double t = span.t0;
   for (int step = 0;; ++step) {
     t += freeFlight(random.next(), bound);
     if (!(t < span.t1)) co_return transmittance;
@@ -125,7 +149,7 @@ Task<Color> ratioTracking(E& evaluator, Ray<World> ray, MediumSpan span, R& rand
       ++evaluator.trackerStatistics().stepLimits;
       co_return transmittance;
     }
-    evaluator.ask(*span.medium, ray.at(t), Quantity::extinction);
+    evaluator.ask(*span.medium, ray.at(static_cast<float>(t)), Quantity::extinction);
     const Color sigmaT = (co_await evaluator.answers())[0].sigmaT;
     countViolation(*span.medium, sigmaT, bound, evaluator.trackerStatistics());
     transmittance *= Color(1.0f) - sigmaT / bound;

@@ -14,17 +14,20 @@
 
 namespace aerosol::volume {
 
-/// The cells of one segment: `count` cells of length `step`, sampled at `offset` (in [0, 1)) of each.
+/// The cells of one segment: `count` cells of length `step`, sampled at `offset` (in [0, 1)) of each. There are at most
+/// `maximumSteps`: a segment that is too long for its step gets longer ones, an infinite one ends there.
 struct MarchingCells {
   int count = 1;
   float step = 0;
   float offset = 0.5f;
+  bool isLimited = false;
 
   /// `u` rounds the count up or down at random, so that cell boundaries never line up from ray to ray.
   MarchingCells(float length, float stepSize, float u, float offset_) : offset(offset_) {
-    const float wanted = std::min(length / stepSize, static_cast<float>(maximumSteps));
-    count = std::max(1, static_cast<int>(wanted + u));
-    step = length / static_cast<float>(count);
+    const float wanted = length / stepSize;
+    isLimited = !(wanted < static_cast<float>(maximumSteps));
+    count = isLimited ? maximumSteps : std::max(1, static_cast<int>(wanted + u));
+    step = std::isfinite(length) ? length / static_cast<float>(count) : stepSize;
   }
   float point(float t0, int cell) const { return t0 + (static_cast<float>(cell) + offset) * step; }
 };
@@ -39,6 +42,7 @@ Task<DistanceSample> sampleByMarching(E& evaluator, Ray<World> ray, Segment segm
                                       R& random) {
   const float jitter = random.next();
   const MarchingCells cells(segment.t1 - segment.t0, stepSize, jitter, random.next());
+  evaluator.trackerStatistics().stepLimits += cells.isLimited;
   const ChannelMixture channels(throughput);
   float u = random.next();
   const int channel = channels.choose(u);
@@ -101,6 +105,7 @@ template <Evaluator E, UniformSource R>
 Task<Color> marchedTransmittance(E& evaluator, Ray<World> ray, MediumSpan span, float stepSize, R& random) {
   const float jitter = random.next();
   const MarchingCells cells(span.t1 - span.t0, stepSize, jitter, random.next());
+  evaluator.trackerStatistics().stepLimits += cells.isLimited;
   std::array<double, 3> depth{};
   int group = 2 * firstGroup;
   for (int first = 0; first < cells.count; first += group, group = std::min(2 * group, largestGroup)) {

@@ -111,6 +111,8 @@ TEST(Quantity, Counts) {
   EXPECT_EQ(formatShort(950), "950");
   EXPECT_EQ(formatShort(999.7), "1.00 k");
   EXPECT_EQ(formatShort(45'600'000), "45.6 M");
+  EXPECT_EQ(formatMean(20000), "20,000");
+  EXPECT_EQ(formatMean(15.83), "15.8");
   EXPECT_EQ(formatPercent(1, 3), "33.3 %");
   EXPECT_EQ(formatPercent(0, 0), "-");
 }

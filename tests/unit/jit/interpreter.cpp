@@ -213,7 +213,7 @@ class Interpreter {
     const float x = toFloat(values[instruction.arguments[0]][0]);
     float result = 0;
     if (symbol == "sqrt_f_f") {
-      result = x >= 0 ? std::sqrt(x) : 0;
+      result = x <= 0 ? 0 : std::sqrt(x);
     } else if (symbol == "floor_f_f") {
       result = std::floor(x);
     } else if (symbol == "abs_f_f") {

@@ -190,19 +190,62 @@ Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces) 
   return outcome;
 }
 
+std::filesystem::path runtimeFolder() {
+  const char* const folder = std::getenv("AEROSOL_TEST_RUNTIME");
+  return folder ? std::filesystem::path(folder)
+                : std::filesystem::path(AEROSOL_BINARY_DIR) / "lib" / "aerosol" / "runtime";
+}
+
 Compiler& compiler() {
   static const std::shared_ptr<Compiler> shared = [] {
-    CompilerOptions options;
-    if (const char* folder = std::getenv("AEROSOL_TEST_RUNTIME")) {
-      options.runtimeFolder = folder;
-    } else {
-      options.runtimeFolder = std::filesystem::path(AEROSOL_BINARY_DIR) / "lib" / "aerosol" / "runtime";
-    }
-    auto made = Compiler::create(options);
+    auto made = Compiler::create({runtimeFolder(), nullptr});
     if (!made) throw std::runtime_error(format(made.errors()));
     return *made;
   }();
   return *shared;
+}
+
+std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& boxes) {
+  const KernelInterface& interface = kernel.interface();
+  std::vector<Padded> arrays;
+  std::vector<const float*> globals;
+  for (std::size_t i = 0; i < boxes.low.size(); ++i) {
+    for (const std::vector<float>* values : {&boxes.low[i], &boxes.high[i]}) {
+      arrays.push_back(padded(*values, boxes.count));
+      globals.push_back(static_cast<const float*>(arrays.back().get()));
+    }
+  }
+  std::vector<void*> outputs;
+  for (std::size_t i = 0; i < interface.outputs.size(); ++i) {
+    arrays.emplace_back(boxes.count, 8);
+    outputs.push_back(arrays.back().get());
+  }
+  AerosolKernelContext context{};
+  context.loopBudget = boxes.loopBudget;
+  const Padded instanceData = padded(boxes.instanceData, boxes.instanceData.size());
+  AerosolKernelArguments arguments{};
+  arguments.context = &context;
+  arguments.globals = globals.data();
+  arguments.instanceData = static_cast<const unsigned char*>(instanceData.get());
+  arguments.outputs = outputs.data();
+  arguments.count = static_cast<std::int32_t>(boxes.count);
+  kernel(arguments);
+
+  std::vector<std::vector<Bounds>> result(boxes.count);
+  for (std::size_t box = 0; box < boxes.count; ++box) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+      const OutputComponent& output = interface.outputs[i];
+      const bool isFloat = output.type == lang::BaseType::floating;
+      const double number = isFloat ? static_cast<double>(static_cast<const float*>(outputs[i])[box])
+                                    : static_cast<const std::int32_t*>(outputs[i])[box];
+      if (output.part == OutputPart::low) result[box].push_back({number, number, false});
+      if (output.part == OutputPart::high) result[box].back().high = number;
+      if (output.part == OutputPart::mayBeNan) {
+        result[box].back().mayBeNan = static_cast<const std::uint32_t*>(outputs[i])[box] != 0;
+      }
+    }
+  }
+  return result;
 }
 
 std::vector<unsigned char> instanceBlock(const KernelInterface& interface, const lang::Program& program,

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -55,8 +56,30 @@ using HostSpaces = std::map<std::uint64_t, std::array<float, 12>>;
 
 Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces = {});
 
+/// n boxes of points.
+struct Boxes {
+  std::size_t count = 0;
+  std::array<std::vector<float>, globalPointerCount> low, high;
+  std::vector<unsigned char> instanceData;
+  std::uint32_t loopBudget = 100000;
+};
+
+/// Bounds of one output component over a box. Ints are in doubles, which hold them exactly.
+struct Bounds {
+  double low = 0, high = 0;
+  bool mayBeNan = false;
+
+  bool holds(double value) const { return value != value ? mayBeNan : low <= value && value <= high; }
+};
+
+/// Runs a range kernel: bounds by box, then by component of the outputs (floats and ints).
+std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& boxes);
+
 /// Bits, but one pattern for all NaNs.
 std::uint64_t canonical(std::uint64_t bits, lang::BaseType type);
+
+/// Where the build puts the run-time library's bitcode.
+std::filesystem::path runtimeFolder();
 
 /// The compiler that tests share; without a cache.
 Compiler& compiler();

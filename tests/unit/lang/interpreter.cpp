@@ -69,7 +69,7 @@ const std::map<std::string, std::function<float(const Floats&)>>& floatFunctions
       {"round_f_f", [](F a) { return std::round(a[0]); }},
       {"trunc_f_f", [](F a) { return std::trunc(a[0]); }},
       {"fmod_f_ff", [](F a) { return a[1] == 0 ? 0.0f : std::fmod(a[0], a[1]); }},
-      {"mod_f_ff", [](F a) { return a[1] == 0 ? 0.0f : a[0] - a[1] * std::floor(a[0] / a[1]); }},
+      {"mod_f_ff", [](F a) { return a[1] == 0 ? a[0] : a[0] - a[1] * std::floor(a[0] / a[1]); }},
       {"min_f_ff", [](F a) { return std::fmin(a[0], a[1]); }},
       {"max_f_ff", [](F a) { return std::fmax(a[0], a[1]); }},
       {"clamp_f_fff", [](F a) { return std::fmax(std::fmin(a[0], a[2]), a[1]); }},

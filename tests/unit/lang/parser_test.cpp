@@ -173,6 +173,17 @@ TEST(Parser, StopsAfterAHundredErrors) {
   EXPECT_EQ(errors.back(), "101:5: expected an expression, found ';'");
 }
 
+TEST(Parser, GetsPastEveryErrorOnce) {
+  for (const std::string& source :
+       {"struct A { x) { int a; };", "shader a() { ) { x = 1; } }", "struct A { ; ; ) } }", "shader a(",
+        "shader a() { {{1, ) { } }", "float f() { x = {1, {2; } y = ; }", "shader a(float b = {1, ) { }", ") { ) {",
+        "}}}}", "shader a [[ int b = {1 ]] () { }"}) {
+    const auto errors = errorsOf(source);
+    EXPECT_FALSE(errors.empty()) << source;
+    EXPECT_LE(errors.size(), 3u) << source;
+  }
+}
+
 TEST(Parser, NamesTheBraceThatIsNotClosed) {
   EXPECT_EQ(errorsOf("shader a() {\n  if (1) {\n    x = 1;\n}\n"),
             std::vector<std::string>{"4:2: expected '}' to close the '{' on line 1, found the end of the file"});

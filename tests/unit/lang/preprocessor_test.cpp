@@ -191,6 +191,16 @@ TEST_F(Preprocessor, ReportsWhatDirectivesSay) {
   EXPECT_EQ(entries[3].message, "soft");
 }
 
+TEST_F(Preprocessor, UnderstandsThePragmaOperator) {
+  EXPECT_EQ(outcome("a _Pragma(\"whatever\") b _Pragma(\"osl nowarn\")\n#warning silent\nc"), "a b c");
+  for (const char* text : {"_Pragma", "_Pragma(", "_Pragma(\"x\"", "_Pragma(3) x"}) {
+    const auto result = run(text);
+    ASSERT_EQ(result.diagnostics.errorCount(), 1) << text;
+    EXPECT_EQ(result.diagnostics.entries()[0].message, "_Pragma takes a string in parentheses");
+    EXPECT_EQ(result.diagnostics.entries()[0].location.column, 1);
+  }
+}
+
 TEST_F(Preprocessor, NamesMissingIncludesAndWhereItLooked) {
   request_.includePaths = {folder_ / "some"};
   const auto result = run("x\n  #include \"gone.h\"\n");
@@ -226,7 +236,8 @@ TEST_F(Preprocessor, SurvivesHostileInput) {
         std::string("\0\xff\xfe\x01\\", 5), std::string("\xef\xbb\xbfx"), "#if " + parentheses + "\n#endif\nx",
         "#define A " + parentheses + "\n#if A A A A\n#endif\nx", std::string("#embed \"main.osl\"\n"),
         std::string("#define"), std::string("#"), std::string("#line 4294967295 \"x\"\ny\nz"), std::string(),
-        std::string("#include <"), std::string("#include \"/dev/zero\"\n"), std::string("\"a\\")}) {
+        std::string("#include <"), std::string("#include _Pragma(\"main.osl\"\nx"),
+        std::string("#include \"/dev/zero\"\n"), std::string("\"a\\")}) {
     write("main.osl", text);
     const auto result = run(text);
     EXPECT_TRUE(result.complete || result.diagnostics.hasErrors()) << text.substr(0, 40);

@@ -1,0 +1,580 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/statistical/tracker_cases.h"
+
+// Every tracker on every density: means of all that it returns against quadrature, distances against the density that
+// it claims, and that a fault of 2% in any part is found.
+
+namespace aerosol::test {
+namespace {
+
+constexpr int bins = 10;
+
+/// All estimates that a distance sampler makes, as they come in.
+class DistanceEstimates {
+ public:
+  explicit DistanceEstimates(const TrackerCase& c) : case_(c) {}
+
+  void add(const DistanceSample& sample) {
+    const bool isScattered = sample.event == DistanceEvent::scattered;
+    const bool isPassed = sample.event == DistanceEvent::passed;
+    isSound_ = isSound_ && isFinite(sample.weight) && isFinite(sample.emission);
+    for (const int c : channels) {
+      const auto i = static_cast<std::size_t>(c);
+      // Channels without throughput are not sampled for: their weights are never used.
+      const double weight = usedChannel(c) ? static_cast<double>(sample.weight[c]) : 0;
+      passed_[i].add(isPassed ? weight : 0);
+      scattered_[i].add(isScattered ? weight : 0);
+      emission_[i].add(usedChannel(c) ? static_cast<double>(sample.emission[c]) : 0);
+    }
+    const std::size_t bin = isScattered ? binOf(static_cast<double>(sample.t)) : bins;
+    for (std::size_t b = 0; b < bins; ++b) {
+      binned_[b].add(b == bin ? static_cast<double>(dot(sample.weight)) : 0);
+    }
+    if (isScattered) {
+      isInside_ = isInside_ && sample.t >= static_cast<float>(case_.t0) && sample.t <= static_cast<float>(case_.t1);
+    }
+  }
+
+  bool usedChannel(int c) const { return case_.throughput[c] != 0; }
+  const RunningMean& passed(int c) const { return passed_[static_cast<std::size_t>(c)]; }
+  const RunningMean& scattered(int c) const { return scattered_[static_cast<std::size_t>(c)]; }
+  const RunningMean& emission(int c) const { return emission_[static_cast<std::size_t>(c)]; }
+  /// Of throughput · weight, averaged over the channels.
+  const RunningMean& binned(std::size_t b) const { return binned_[b]; }
+  bool isSound() const { return isSound_ && isInside_; }
+
+ private:
+  float dot(Color weight) const { return average(weight * case_.throughput); }
+  std::size_t binOf(double t) const {
+    const double place = (t - case_.t0) / (case_.t1 - case_.t0) * bins;
+    return static_cast<std::size_t>(std::clamp(place, 0.0, bins - 1.0));
+  }
+
+  const TrackerCase& case_;
+  std::array<RunningMean, 3> passed_, scattered_, emission_;
+  std::array<RunningMean, bins> binned_;
+  bool isSound_ = true, isInside_ = true;
+};
+
+/// Values below this share of what there is are tested absolutely: one in a million samples tells of them.
+constexpr double negligible = 1e-3;
+
+/// Whether more samples are needed to see 0.3% of a value.
+bool isUnresolved(const RunningMean& sample, double expected) {
+  return std::fabs(expected) > negligible && sample.standardError() > 0.9 * meanResolution * std::fabs(expected);
+}
+
+/// The mean meets its value up to the rounding of single numbers.
+bool meetsExactly(const RunningMean& sample, double expected) {
+  return std::fabs(sample.mean() - expected) <= 1e-6 * std::fabs(expected);
+}
+
+::testing::AssertionResult meets(const RunningMean& sample, double expected, const std::string& what) {
+  if (meetsExactly(sample, expected) && !isUnresolved(sample, expected)) return ::testing::AssertionSuccess();
+  if (std::fabs(expected) > negligible) {
+    ::testing::AssertionResult result = agrees(sample, expected);
+    return result << " [" << what << "]";
+  }
+  const double slack = maximumZ * sample.standardError() + 1e-6;
+  if (std::fabs(sample.mean() - expected) <= slack) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << what << ": mean " << sample.mean() << ", expected " << expected;
+}
+
+using DistanceSampler = std::function<DistanceSample()>;
+
+/// Runs a sampler until all its means are resolved and tests each against quadrature, and the chi-squared of the places
+/// where light is scattered.
+::testing::AssertionResult meansAreRight(const TrackerCase& c, const Reference& reference,
+                                         const DistanceSampler& sample) {
+  std::array<double, 3> passed{}, scattered{}, emission{};
+  for (const int k : channels) {
+    const auto i = static_cast<std::size_t>(k);
+    if (c.throughput[k] == 0) continue;
+    passed[i] = reference.transmittance(c.t1, k);
+    scattered[i] = reference.scattered(k);
+    emission[i] = reference.emitted(k);
+  }
+  DistanceEstimates estimates(c);
+  constexpr int round = 50000, maximumRounds = 60;
+  for (int r = 0; r < maximumRounds; ++r) {
+    for (int i = 0; i < round; ++i) estimates.add(sample());
+    bool isEnough = true;
+    for (const int k : channels) {
+      const auto i = static_cast<std::size_t>(k);
+      isEnough = isEnough && !isUnresolved(estimates.passed(k), passed[i]) &&
+                 !isUnresolved(estimates.scattered(k), scattered[i]) &&
+                 !isUnresolved(estimates.emission(k), emission[i]);
+    }
+    if (isEnough) break;
+  }
+  if (!estimates.isSound()) return ::testing::AssertionFailure() << "a sample is not finite or outside of the segment";
+  for (const int k : channels) {
+    const auto i = static_cast<std::size_t>(k);
+    const std::string suffix = " in channel " + std::to_string(k);
+    for (const auto& result : {meets(estimates.passed(k), passed[i], "transmittance" + suffix),
+                               meets(estimates.scattered(k), scattered[i], "scattering" + suffix),
+                               meets(estimates.emission(k), emission[i], "emission" + suffix)}) {
+      if (!result) return result;
+    }
+  }
+  double statistic = 0, degrees = 0;
+  for (int b = 0; b < bins; ++b) {
+    double expected = 0;
+    for (const int k : channels) expected += static_cast<double>(c.throughput[k]) * reference.scattered(k, b, bins) / 3;
+    const RunningMean& found = estimates.binned(static_cast<std::size_t>(b));
+    if (expected < negligible || meetsExactly(found, expected)) continue;
+    statistic += std::pow(found.z(expected), 2);
+    ++degrees;
+  }
+  if (degrees > 0 && !(chiSquaredTail(statistic, degrees) > minimumP)) {
+    return ::testing::AssertionFailure() << "places of scattering: chi-squared " << statistic << " of " << degrees;
+  }
+  return ::testing::AssertionSuccess();
+}
+
+using TrackerAndCase = std::tuple<Tracker, TrackerCase>;
+
+std::vector<TrackerAndCase> trackersAndCases() {
+  std::vector<TrackerAndCase> all;
+  for (const Tracker tracker : allTrackers) {
+    for (const TrackerCase& c : trackerCases()) {
+      if (serves(tracker, c)) all.emplace_back(tracker, c);
+    }
+  }
+  return all;
+}
+
+std::string nameOf(const ::testing::TestParamInfo<TrackerAndCase>& info) {
+  return std::string(name(std::get<0>(info.param))) + "_" + std::get<1>(info.param).name;
+}
+
+class DistanceTrackers : public ::testing::TestWithParam<TrackerAndCase> {
+ protected:
+  Tracker tracker() const { return std::get<0>(GetParam()); }
+  const TrackerCase& trackerCase() const { return std::get<1>(GetParam()); }
+};
+
+TEST_P(DistanceTrackers, MeansMeetQuadrature) {
+  const TrackerCase& c = trackerCase();
+  TrackerSetup setup(c);
+  prepare(tracker(), setup, c);
+  Uniforms random(seedOfTest());
+  EXPECT_TRUE(meansAreRight(c, Reference(c), [&] { return sampleDistance(tracker(), setup, c, random); }));
+  EXPECT_EQ(setup.evaluator().trackerStatistics().boundViolations, 0u);
+  EXPECT_EQ(setup.evaluator().trackerStatistics().stepLimits, 0u);
+}
+
+/// A real suspension at each question changes nothing.
+TEST_P(DistanceTrackers, SuspensionChangesNothing) {
+  const TrackerCase& c = trackerCase();
+  TrackerSetup atOnce(c), suspending(c, 1, true);
+  prepare(tracker(), atOnce, c);
+  prepare(tracker(), suspending, c);
+  Uniforms a(seedOfTest()), b(seedOfTest());
+  for (int i = 0; i < 300; ++i) {
+    const DistanceSample x = sampleDistance(tracker(), atOnce, c, a), y = sampleDistance(tracker(), suspending, c, b);
+    ASSERT_EQ(x.t, y.t);
+    ASSERT_EQ(x.weight, y.weight);
+    ASSERT_EQ(x.emission, y.emission);
+    ASSERT_EQ(x.logPdf, y.logPdf);
+    ASSERT_EQ(x.event, y.event);
+  }
+  EXPECT_TRUE(suspending.evaluator().frames().isEmpty());
+  EXPECT_EQ(suspending.evaluator().frames().heapBlocks(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DistanceTrackers, ::testing::ValuesIn(trackersAndCases()), nameOf);
+
+// What a sample says of its density.
+//
+// With p the density of distances, E[1(t in B) / p(t)] = |B| for every set B that p reaches, and P(passed) = P. A joint
+// density is over chains of collisions: of those that scatter at the first tentative one the same holds, and of those
+// that scatter at the second the measure is that of pairs s < t.
+
+/// Bins are resolved less well than the whole.
+constexpr double binResolution = 0.012;
+
+/// Means of 1 / p over the samples of one kind, all together and by bins of t.
+class InverseDensity {
+ public:
+  void add(const TrackerCase& c, const DistanceSample& sample, bool counts) {
+    const double place = (static_cast<double>(sample.t) - c.t0) / (c.t1 - c.t0) * bins;
+    const int bin = counts ? std::clamp(static_cast<int>(place), 0, bins - 1) : bins;
+    const double value = counts ? 1 / sample.pdf() : 0;
+    for (int b = 0; b < bins; ++b) binned_[static_cast<std::size_t>(b)].add(b == bin ? value : 0);
+    whole_.add(value);
+  }
+  /// `measure(b)` of each bin; bins before `first` hold too little.
+  template <class Measure>
+  ::testing::AssertionResult meets(Measure measure, int first = 0) const {
+    double sum = 0;
+    for (int b = 0; b < bins; ++b) {
+      sum += measure(b);
+      if (b < first) continue;
+      auto result = agrees(binned_[static_cast<std::size_t>(b)], measure(b), first == 0 ? binResolution : 0.03);
+      if (!result) return result << " in bin " << b;
+    }
+    return agrees(whole_, sum, first == 0 ? meanResolution : 0.005);
+  }
+
+ private:
+  std::array<RunningMean, bins> binned_;
+  RunningMean whole_;
+};
+
+::testing::AssertionResult densityIsRight(const TrackerCase& c, int sampleCount, const DistanceSampler& sample) {
+  InverseDensity inverse;
+  RunningMean passed;
+  double passProbability = 0;
+  for (int i = 0; i < sampleCount; ++i) {
+    const DistanceSample s = sample();
+    if (s.pdfKind != volume::PdfKind::marginal) return ::testing::AssertionFailure() << "the density is not marginal";
+    const bool isPassed = s.event == DistanceEvent::passed;
+    inverse.add(c, s, !isPassed);
+    passed.add(isPassed);
+    if (isPassed) passProbability = s.pdf();
+  }
+  if (auto result = agrees(passed, passProbability, 0.005); !result) return result << " passing";
+  return inverse.meets([&](int) { return (c.t1 - c.t0) / bins; });
+}
+
+/// Every cell of marching is where the first two numbers put it: with these given, the density is marginal.
+class FixedCells {
+ public:
+  FixedCells(std::uint64_t seed, float jitter, float offset) : random_(seed), first_{jitter, offset} {}
+  void restart() { calls_ = 0; }
+  float next() {
+    const std::size_t call = calls_++;
+    return call < first_.size() ? first_[call] : random_.next();
+  }
+
+ private:
+  Uniforms random_;
+  std::array<float, 2> first_;
+  std::size_t calls_ = 0;
+};
+
+/// Cases in which distances are found all over the segment, so that each bin is resolved.
+TrackerCase densityCase(const char* name, Color throughput = Color(1.0f)) {
+  TrackerCase c = findCase(name);
+  c.throughput = throughput;
+  c.steps = 37;
+  return c;
+}
+
+class DensityOfDistances : public ::testing::TestWithParam<TrackerCase> {};
+
+TEST_P(DensityOfDistances, ClosedForm) {
+  const TrackerCase& c = GetParam();
+  if (!c.isConstant()) return;
+  TrackerSetup setup(c);
+  Uniforms random(seedOfTest());
+  EXPECT_TRUE(densityIsRight(c, 600000, [&] { return sampleDistance(Tracker::closedForm, setup, c, random); }));
+}
+
+TEST_P(DensityOfDistances, Marching) {
+  const TrackerCase& c = GetParam();
+  TrackerSetup setup(c);
+  FixedCells random(seedOfTest(), 0.5f, 0.3f);
+  EXPECT_TRUE(densityIsRight(c, 600000, [&] {
+    random.restart();
+    return sampleDistance(Tracker::marching, setup, c, random);
+  }));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DensityOfDistances,
+                         ::testing::Values(densityCase("constant"), densityCase("twoConstants"),
+                                           densityCase("constantChromatic"),
+                                           densityCase("constantChromatic", Color(1, 0.5f, 0.1f)),
+                                           densityCase("gentle"), densityCase("gentleChromatic", Color(0.5f, 1, 0.25f)),
+                                           densityCase("varyingInConstant")),
+                         [](const auto& info) { return info.param.name + std::to_string(info.index); });
+
+/// The number of collisions comes from the evaluator: one question a medium and collision.
+::testing::AssertionResult jointDensityIsRight(const TrackerCase& c, TrackerSetup& setup, int sampleCount,
+                                               const DistanceSampler& sample) {
+  InverseDensity first, second;
+  for (int i = 0; i < sampleCount; ++i) {
+    const std::uint64_t before = setup.evaluator().asked();
+    const DistanceSample s = sample();
+    if (s.pdfKind != volume::PdfKind::joint) return ::testing::AssertionFailure() << "the density is not joint";
+    const std::uint64_t collisions = setup.evaluator().asked() - before;
+    const bool isScattered = s.event == DistanceEvent::scattered;
+    first.add(c, s, isScattered && collisions == 1);
+    second.add(c, s, isScattered && collisions == 2);
+  }
+  const double width = (c.t1 - c.t0) / bins;
+  if (auto result = first.meets([&](int) { return width; }); !result) return result << " first collision";
+  auto result = second.meets([&](int b) { return width * width * (b + 0.5); }, 3);
+  return result << " second collision";
+}
+
+class JointDensity : public ::testing::TestWithParam<TrackerCase> {};
+
+TEST_P(JointDensity, NullScattering) {
+  const TrackerCase& c = GetParam();
+  TrackerSetup setup(c, 1.3);  // Above the maximum: every place may be a null collision and every one a real one.
+  Uniforms random(seedOfTest());
+  EXPECT_TRUE(jointDensityIsRight(c, setup, 2000000,
+                                  [&] { return sampleDistance(Tracker::nullScattering, setup, c, random); }));
+}
+
+/// The probability of a chain, computed from the points at which the tracker asked.
+TEST_P(JointDensity, IsThatOfTheChain) {
+  const TrackerCase& c = GetParam();
+  TrackerSetup setup(c, 1.3);
+  Uniforms random(seedOfTest());
+  std::vector<DensityEvaluator::Question> chain;
+  setup.evaluator().recordInto(&chain);
+  const auto bound = static_cast<double>(setup.medium(0).bound->value);
+  const double sum = static_cast<double>(c.throughput.r + c.throughput.g + c.throughput.b);
+  for (int i = 0; i < 2000; ++i) {
+    chain.clear();
+    const DistanceSample s = sampleDistance(Tracker::nullScattering, setup, c, random);
+    double logPdf = 0, t = c.t0;
+    std::array<double, 3> weight{1, 1, 1};
+    for (std::size_t k = 0; k < chain.size(); ++k) {
+      const double x = static_cast<double>(chain[k].point.x);
+      logPdf += std::log(bound) - bound * (x - t);
+      t = x;
+      double scatter = 0, pass = 0;
+      for (const int j : channels) {
+        const auto n = static_cast<std::size_t>(j);
+        const double share = static_cast<double>(c.throughput[j]) / sum * std::fabs(weight[n]);
+        scatter += share * static_cast<double>(chain[k].answer.sigmaS[j]);
+        pass += share * (bound - static_cast<double>(chain[k].answer.sigmaT[j]));
+      }
+      const bool isLast = k + 1 == chain.size() && s.event == DistanceEvent::scattered;
+      const double probability = (isLast ? scatter : pass) / (scatter + pass);
+      logPdf += std::log(probability);
+      for (const int j : channels) {
+        const auto n = static_cast<std::size_t>(j);
+        const double value = isLast ? static_cast<double>(chain[k].answer.sigmaS[j])
+                                    : bound - static_cast<double>(chain[k].answer.sigmaT[j]);
+        weight[n] *= value / (bound * probability);
+      }
+    }
+    if (s.event == DistanceEvent::absorbed) continue;  // Russian roulette.
+    if (s.event == DistanceEvent::passed) logPdf -= bound * (c.t1 - t);
+    ASSERT_NEAR(s.logPdf, logPdf, 1e-4 * std::max(1.0, std::fabs(logPdf)));
+    if (std::fabs(weight[1]) < static_cast<double>(volume::trackerRouletteThreshold)) continue;
+    for (const int j : channels) {
+      const double value = weight[static_cast<std::size_t>(j)];
+      ASSERT_NEAR(static_cast<double>(s.weight[j]), value, 1e-4 * std::max(1.0, std::fabs(value)));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, JointDensity,
+                         ::testing::Values(densityCase("gentle"),
+                                           densityCase("gentleChromatic", Color(0.5f, 1, 0.25f))),
+                         [](const auto& info) { return info.param.name; });
+
+// Transmittance.
+
+enum class Transmittance : std::uint8_t { ratioTracking, relaxedRatioTracking, marching };
+
+template <class Random>
+Color estimateTransmittance(Transmittance estimator, TrackerSetup& setup, const TrackerCase& c, Random& random) {
+  const volume::MediumSpan span = setup.span(0);
+  if (estimator == Transmittance::marching) {
+    const auto step = static_cast<float>((c.t1 - c.t0) / c.steps);
+    return setup.evaluator().finish(volume::marchedTransmittance(setup.evaluator(), setup.ray(), span, step, random));
+  }
+  setup.medium(0).relaxesBound = estimator == Transmittance::relaxedRatioTracking;
+  return setup.evaluator().finish(volume::ratioTracking(setup.evaluator(), setup.ray(), span, random));
+}
+
+::testing::AssertionResult transmittanceIsRight(const TrackerCase& c, const Reference& reference,
+                                                const std::function<Color()>& estimate) {
+  std::array<RunningMean, 3> means;
+  constexpr int round = 20000, maximumRounds = 100;
+  for (int r = 0; r < maximumRounds; ++r) {
+    for (int i = 0; i < round; ++i) {
+      const Color value = estimate();
+      if (!isFinite(value)) return ::testing::AssertionFailure() << "not finite";
+      for (const int k : channels) means[static_cast<std::size_t>(k)].add(static_cast<double>(value[k]));
+    }
+    if (std::none_of(channels.begin(), channels.end(), [&](int k) {
+          return isUnresolved(means[static_cast<std::size_t>(k)], reference.transmittance(c.t1, k));
+        }))
+      break;
+  }
+  for (const int k : channels) {
+    const auto result = meets(means[static_cast<std::size_t>(k)], reference.transmittance(c.t1, k),
+                              "transmittance in channel " + std::to_string(k));
+    if (!result) return result;
+  }
+  return ::testing::AssertionSuccess();
+}
+
+std::vector<TrackerCase> singleMediumCases() {
+  std::vector<TrackerCase> cases;
+  for (const TrackerCase& c : trackerCases()) {
+    if (c.media.size() != 1) continue;
+    cases.push_back(c);
+    cases.back().media[0].isConstant = false;  // Estimated as if nothing were known.
+  }
+  return cases;
+}
+
+class TransmittanceEstimators : public ::testing::TestWithParam<TrackerCase> {
+ protected:
+  void expectRight(Transmittance estimator) {
+    const TrackerCase& c = GetParam();
+    TrackerSetup setup(c);
+    Uniforms random(seedOfTest());
+    EXPECT_TRUE(
+        transmittanceIsRight(c, Reference(c), [&] { return estimateTransmittance(estimator, setup, c, random); }));
+    EXPECT_EQ(setup.evaluator().trackerStatistics().boundViolations, 0u);
+  }
+};
+
+TEST_P(TransmittanceEstimators, RatioTracking) { expectRight(Transmittance::ratioTracking); }
+TEST_P(TransmittanceEstimators, RelaxedRatioTracking) { expectRight(Transmittance::relaxedRatioTracking); }
+TEST_P(TransmittanceEstimators, Marching) { expectRight(Transmittance::marching); }
+
+INSTANTIATE_TEST_SUITE_P(All, TransmittanceEstimators, ::testing::ValuesIn(singleMediumCases()),
+                         [](const auto& info) { return info.param.name; });
+
+// Self-tests: each kind of fault, 2% large, is found by the test that is there for it.
+
+constexpr float fault = 1.02f;
+
+/// Flights 2% too long: those of a bound that is 2% lower than the one in the weights.
+class LongFlights {
+ public:
+  explicit LongFlights(std::uint64_t seed) : random_(seed) {}
+  float next() {
+    const double u = static_cast<double>(random_.next());
+    return ++calls_ % 2 == 1 ? static_cast<float>(1 - std::pow(1 - u, 1.02)) : static_cast<float>(u);
+  }
+  void restart() { calls_ = 0; }
+
+ private:
+  Uniforms random_;
+  int calls_ = 0;
+};
+
+class TrackerSelfTest : public ::testing::TestWithParam<Tracker> {
+ protected:
+  TrackerSelfTest() : case_(findCase("constantChromatic")), setup_(case_), random_(seedOfTest()) {
+    if (GetParam() != Tracker::closedForm) case_.media[0].isConstant = false;
+    setup_.medium(0).constant.reset();
+    if (GetParam() == Tracker::closedForm) setup_.medium(0).constant = case_.media[0].at(0);
+    prepare(GetParam(), setup_, case_);
+  }
+  DistanceSample sample() { return sampleDistance(GetParam(), setup_, case_, random_); }
+
+  TrackerCase case_;
+  TrackerSetup setup_;
+  Uniforms random_;
+};
+
+TEST_P(TrackerSelfTest, WithoutAFaultAllIsWell) {
+  EXPECT_TRUE(meansAreRight(case_, Reference(case_), [&] { return sample(); }));
+}
+
+TEST_P(TrackerSelfTest, ScatteringWeight) {
+  EXPECT_FALSE(meansAreRight(case_, Reference(case_), [&] {
+    DistanceSample s = sample();
+    if (s.event == DistanceEvent::scattered) s.weight *= fault;
+    return s;
+  }));
+}
+
+TEST_P(TrackerSelfTest, PassingWeight) {
+  EXPECT_FALSE(meansAreRight(case_, Reference(case_), [&] {
+    DistanceSample s = sample();
+    if (s.event == DistanceEvent::passed) s.weight *= fault;
+    return s;
+  }));
+}
+
+TEST_P(TrackerSelfTest, Emission) {
+  EXPECT_FALSE(meansAreRight(case_, Reference(case_), [&] {
+    DistanceSample s = sample();
+    s.emission *= fault;
+    return s;
+  }));
+}
+
+TEST_P(TrackerSelfTest, Extinction) {
+  TrackerCase wrong = case_;
+  wrong.media[0].at = [](double) { return coefficients(Color(0.3f, 0.8f, 1.6f) * fault, Color(0.9f, 0.6f, 0.3f)); };
+  EXPECT_FALSE(meansAreRight(case_, Reference(wrong), [&] { return sample(); }));
+}
+
+TEST_P(TrackerSelfTest, DistancesAlone) {
+  EXPECT_FALSE(meansAreRight(case_, Reference(case_), [&] {
+    DistanceSample s = sample();
+    if (s.event == DistanceEvent::scattered) {
+      s.t = std::min(static_cast<float>(case_.t1),
+                     static_cast<float>(case_.t0) + (s.t - static_cast<float>(case_.t0)) * fault);
+    }
+    return s;
+  }));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TrackerSelfTest, ::testing::ValuesIn(allTrackers),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+TEST(TrackerSelfTest, MarginalDensity) {
+  const TrackerCase c = densityCase("constantChromatic");
+  TrackerSetup setup(c);
+  Uniforms random(seedOfTest());
+  const auto sampleWith = [&](double scale, bool inPassing) {
+    return densityIsRight(c, 600000, [&, scale, inPassing] {
+      DistanceSample s = sampleDistance(Tracker::closedForm, setup, c, random);
+      if ((s.event == DistanceEvent::passed) == inPassing) s.logPdf += std::log(scale);
+      return s;
+    });
+  };
+  EXPECT_FALSE(sampleWith(1.02, false));
+  EXPECT_FALSE(sampleWith(0.98, false));
+  EXPECT_FALSE(sampleWith(1.02, true));
+}
+
+TEST(TrackerSelfTest, JointDensity) {
+  const TrackerCase c = densityCase("gentle");
+  TrackerSetup setup(c, 1.3);
+  Uniforms random(seedOfTest());
+  EXPECT_FALSE(jointDensityIsRight(c, setup, 2000000, [&] {
+    DistanceSample s = sampleDistance(Tracker::nullScattering, setup, c, random);
+    s.logPdf += std::log(1.02);
+    return s;
+  }));
+}
+
+TEST(TrackerSelfTest, BoundOfRatioTracking) {
+  TrackerCase c = findCase("linear");
+  TrackerSetup setup(c);
+  LongFlights random(seedOfTest());
+  EXPECT_FALSE(transmittanceIsRight(c, Reference(c), [&] {
+    return setup.evaluator().finish(volume::ratioTracking(setup.evaluator(), setup.ray(), setup.span(0), random));
+  }));
+}
+
+TEST(TrackerSelfTest, BoundOfNullScattering) {
+  const TrackerCase c = findCase("chromatic");
+  TrackerSetup setup(c);
+  LongFlights random(seedOfTest());
+  EXPECT_FALSE(meansAreRight(c, Reference(c), [&] {
+    random.restart();
+    return sampleDistance(Tracker::nullScattering, setup, c, random);
+  }));
+}
+
+TEST(TrackerSelfTest, MarchedTransmittance) {
+  const TrackerCase c = findCase("linear");
+  TrackerSetup setup(c);
+  Uniforms random(seedOfTest());
+  EXPECT_FALSE(transmittanceIsRight(
+      c, Reference(c), [&] { return estimateTransmittance(Transmittance::marching, setup, c, random) * fault; }));
+}
+
+}  // namespace
+}  // namespace aerosol::test
