@@ -33,7 +33,7 @@ namespace {
 constexpr const char* triple = "x86_64-unknown-linux-gnu";
 /// Library functions are inlined where they are called as long as the kernel stays below so many instructions. Their
 /// arguments and results then stay in registers, and what is uniform moves out of loops.
-constexpr std::size_t inlinedInstructions = 12000;
+constexpr std::size_t inlinedInstructions = 6000;
 
 Diagnostic internalError(const std::string& what) {
   Diagnostic error;

@@ -57,17 +57,7 @@ Program prepare(const KernelRequest& request) {
       }
     }
   }
-  Program program = lang::slice(special, outputs, keepsMessages ? lang::Messages::keep : lang::Messages::drop);
-  // Parameters that are written keep their variable; what it starts with is the folded value.
-  for (const FoldedParameter& folded : request.folded) {
-    const lang::Parameter& parameter = program.parameters[folded.parameter];
-    const bool isGiven = !std::holds_alternative<std::monostate>(folded.value);
-    if (parameter.variable != lang::noVariable) program.variables[parameter.variable].value = folded.value;
-    if (parameter.isSet != lang::noVariable) {
-      program.variables[parameter.isSet].value = std::vector<std::int32_t>{isGiven ? 1 : 0};
-    }
-  }
-  return program;
+  return lang::slice(special, outputs, keepsMessages ? lang::Messages::keep : lang::Messages::drop);
 }
 
 std::optional<Diagnostic> checkLimits(const Program& program, const KernelRequest& request) {

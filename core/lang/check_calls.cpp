@@ -113,8 +113,7 @@ int Checker::scoreCandidate(const Candidate& candidate, const std::vector<Expres
       one = listFits(*arguments[i], candidate.parameters[i]) ? 23 : 0;
     } else {
       one = matchScore(candidate.parameters[i], types[i]);
-      const auto* literal = std::get_if<IntLiteral>(&arguments[i]->node);
-      if (candidate.parameters[i] == types::closure && literal && literal->value == 0) one = 23;
+      if (candidate.parameters[i] == types::closure && isZeroLiteral(*arguments[i])) one = 23;
     }
     if (one == 0) return -1;
     score += one;

@@ -40,8 +40,7 @@ Type Checker::checkCast(Expression& expression, Construct& construct, const Type
   if (isPoisoned(from)) return poisoned;
   const bool narrowing = type == types::integer && from == types::floating;
   if (narrowing || (!from.isArray() && isAssignable(type, from))) return type;
-  if (const auto* zero = std::get_if<IntLiteral>(&argument.node); type == types::closure && zero && zero->value == 0)
-    return type;
+  if (type == types::closure && isZeroLiteral(argument)) return type;
   error(expression.position, "a value of type " + toString(from) + " cannot be cast to " + toString(type));
   return poisoned;
 }

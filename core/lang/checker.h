@@ -31,6 +31,9 @@ std::string_view spelling(UnaryOp op);
 /// expression must have been checked.
 std::optional<Constant> evaluateConstant(const Expression& expression);
 
+/// A literal 0, which is also the null closure.
+bool isZeroLiteral(const Expression& expression);
+
 /// Whether control can never run past the end of the statement because each path returns.
 bool alwaysReturns(const Statement& statement);
 
@@ -94,6 +97,8 @@ class Checker {
   Type checkField(Expression& expression, Field& field);
   /// Marks the variable as assigned. False when the target is none; that it may not be written is an error too.
   bool checkWritable(const Expression& target);
+
+  // check_initializers.cpp
   void requireAssignable(const Type& to, const Expression& from, std::string_view what);
   /// Checks `expression` as the initial value of something of type `target`; an unsized array gets its length.
   Type checkInitializer(Expression& expression, const Type& target, std::string_view what);

@@ -72,6 +72,7 @@ Program Lowerer::run() {
 }
 
 void Lowerer::lowerBody() {
+  inBody_ = true;
   const auto& block = std::get<Block>(source_.shader->body->node);
   Code body = collect([&] { lowerStatements(block.statements, 0, Tail::function); });
   if (!frames_.front().usesLeave) {

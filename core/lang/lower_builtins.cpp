@@ -86,6 +86,7 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
     return {result, {constantInt(array.type.arrayLength)}};
   }
   if (name == "exit") {
+    if (!inBody_) error(expression.position, "a parameter's default value cannot end the shader");
     frames_.front().usesLeave = true;
     append(Op::leave).scopeId = frames_.front().scopeId;
     return {result, {}};

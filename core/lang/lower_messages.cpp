@@ -157,78 +157,89 @@ Value Lowerer::lowerMessage(const Expression& expression, const Call& called) {
   return {types::none, {}};
 }
 
-Value Lowerer::lowerStringFunction(const Expression& expression, const Call& called) {
-  const std::string_view name = called.builtin->row->name;
-  const Type& type = called.builtin->result;
-  std::vector<Constant> values;
-  std::string formatted;
-  const auto refuse = [&](Position position) {
-    error(position, "'" + called.name + "' needs constant arguments: strings are not made while a shader runs");
-    return zeroValue(type);
-  };
-  if (name == "format") {
-    std::vector<VariableId> scalars;
-    const auto format = expandFormat(called, scalars);
-    if (!format) return zeroValue(type);
-    std::size_t next = 0;
-    const auto pieces = splitFormat(*format);
-    for (const FormatPiece& piece : *pieces) {
-      if (piece.conversion == 0) {
-        for (std::size_t i = 0; i < piece.text.size(); ++i) {
-          formatted += piece.text[i];
-          if (piece.text[i] == '%') ++i;
-        }
-        continue;
-      }
-      const auto value = constantOf(scalars[next++]);
-      if (!value) return refuse(expression.position);
-      formatted += show(piece, *value);
-    }
-    return {type, {constantString(formatted)}};
-  }
-  const std::vector<Value> arguments = lowerArguments(called);
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    auto value = constantOf(arguments[i].single());
-    if (!value) return refuse(called.arguments[i]->position);
-    values.push_back(std::move(*value));
-  }
-  const std::string& text = values[0].asString();
-  const auto length = static_cast<std::int64_t>(text.size());
-  if (name == "concat") {
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (!(values[i].type == types::string)) {
-        error(called.arguments[i]->position, "concat takes strings only");
-        return zeroValue(type);
-      }
-      formatted += values[i].asString();
-    }
-    return {type, {constantString(formatted)}};
-  }
-  if (name == "strlen") return {type, {constantInt(static_cast<std::int32_t>(length))}};
-  if (name == "startswith") return {type, {constantInt(text.starts_with(values[1].asString()) ? 1 : 0)}};
-  if (name == "endswith") return {type, {constantInt(text.ends_with(values[1].asString()) ? 1 : 0)}};
-  if (name == "getchar") {
-    const std::int64_t at = values[1].asInt();
-    const bool inside = at >= 0 && at < length;
-    return {type, {constantInt(inside ? static_cast<unsigned char>(text[static_cast<std::size_t>(at)]) : 0)}};
-  }
-  if (name == "substr") {
-    std::int64_t start = values[1].asInt();
-    if (start < 0) start += length;
-    start = std::clamp<std::int64_t>(start, 0, length);
-    const std::int64_t wanted = values.size() > 2 ? std::max(values[2].asInt(), 0) : length;
-    return {type, {constantString(text.substr(static_cast<std::size_t>(start), static_cast<std::size_t>(wanted)))}};
-  }
+namespace {
+
+/// The number at the beginning of a text, or 0.
+template <class Number>
+Number numberAt(const std::string& text) {
   const char* begin = text.c_str() + std::min(text.find_first_not_of(" \t\n"), text.size());
   if (*begin == '+') ++begin;
-  if (name == "stoi") {
-    std::int32_t number = 0;
-    const auto parsed = std::from_chars(begin, text.c_str() + text.size(), number);
-    return {type, {constantInt(parsed.ec == std::errc() ? number : 0)}};
-  }
-  float number = 0;
+  Number number = 0;
   const auto parsed = std::from_chars(begin, text.c_str() + text.size(), number);
-  return {type, {constantFloat(parsed.ec == std::errc() ? number : 0.0f)}};
+  return parsed.ec == std::errc() ? number : Number{0};
+}
+
+/// A function of strings that is neither format nor concat.
+Constant stringFunction(std::string_view name, const std::vector<Constant>& values) {
+  const std::string& text = values[0].asString();
+  const auto length = static_cast<std::int64_t>(text.size());
+  if (name == "strlen") return Constant::ofInt(static_cast<std::int32_t>(length));
+  if (name == "startswith") return Constant::ofInt(text.starts_with(values[1].asString()) ? 1 : 0);
+  if (name == "endswith") return Constant::ofInt(text.ends_with(values[1].asString()) ? 1 : 0);
+  if (name == "stoi") return Constant::ofInt(numberAt<std::int32_t>(text));
+  if (name == "stof") return Constant::ofFloat(numberAt<float>(text));
+  std::int64_t at = values[1].asInt();
+  if (name == "getchar") {
+    const bool inside = at >= 0 && at < length;
+    return Constant::ofInt(inside ? static_cast<unsigned char>(text[static_cast<std::size_t>(at)]) : 0);
+  }
+  if (at < 0) at += length;
+  at = std::clamp<std::int64_t>(at, 0, length);
+  const std::int64_t wanted = values.size() > 2 ? std::max(values[2].asInt(), 0) : length;
+  return Constant::ofString(text.substr(static_cast<std::size_t>(at), static_cast<std::size_t>(wanted)));
+}
+
+}  // namespace
+
+Value Lowerer::refuseStrings(const Call& called, Position position) {
+  error(position, "'" + called.name + "' needs constant arguments: strings are not made while a shader runs");
+  return zeroValue(called.builtin->result);
+}
+
+Value Lowerer::lowerFormat(const Expression& expression, const Call& called) {
+  std::vector<VariableId> scalars;
+  const auto format = expandFormat(called, scalars);
+  if (!format) return zeroValue(types::string);
+  std::string text;
+  std::size_t next = 0;
+  const auto pieces = splitFormat(*format);
+  for (const FormatPiece& piece : *pieces) {
+    if (piece.conversion == 0) {
+      for (std::size_t i = 0; i < piece.text.size(); ++i) {
+        text += piece.text[i];
+        if (piece.text[i] == '%') ++i;
+      }
+      continue;
+    }
+    const auto value = constantOf(scalars[next++]);
+    if (!value) return refuseStrings(called, expression.position);
+    text += show(piece, *value);
+  }
+  return {types::string, {constantString(text)}};
+}
+
+Value Lowerer::lowerStringFunction(const Expression& expression, const Call& called) {
+  const std::string_view name = called.builtin->row->name;
+  if (name == "format") return lowerFormat(expression, called);
+  const std::vector<Value> arguments = lowerArguments(called);
+  std::vector<Constant> values;
+  std::string joined;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const Position position = called.arguments[i]->position;
+    auto value = arguments[i].leaves.size() == 1 ? constantOf(arguments[i].single()) : std::nullopt;
+    if (!value) return refuseStrings(called, position);
+    if (name == "concat") {
+      if (!(value->type == types::string)) {
+        error(position, "concat takes strings only");
+        return zeroValue(types::string);
+      }
+      joined += value->asString();
+    }
+    values.push_back(std::move(*value));
+  }
+  if (name == "concat") return {types::string, {constantString(joined)}};
+  const Constant result = stringFunction(name, values);
+  return {result.type, {constant(result)}};
 }
 
 }  // namespace aerosol::lang

@@ -177,6 +177,8 @@ class Lowerer {
   // lower_messages.cpp
   Value lowerMessage(const Expression& expression, const Call& call);
   Value lowerStringFunction(const Expression& expression, const Call& call);
+  Value lowerFormat(const Expression& expression, const Call& call);
+  Value refuseStrings(const Call& call, Position position);
   std::optional<std::string> expandFormat(const Call& call, std::vector<VariableId>& scalars);
   void scalarsOf(const Value& value, std::vector<VariableId>& scalars);
 
@@ -202,6 +204,7 @@ class Lowerer {
   std::uint32_t scopeCount_ = 0;
   int loopDepth_ = 0, nesting_ = 0, depth_ = 0;
   std::unordered_set<Position> reported_;  ///< Where there is an error already.
+  bool inBody_ = false;                    ///< Otherwise in the default values of parameters.
   bool failed_ = false;
 };
 

@@ -79,7 +79,7 @@ void Parser::error(Position position, std::string message, std::vector<std::stri
 }
 
 void Parser::report(Diagnostic diagnostic) {
-  diagnostics_.add(std::move(diagnostic));
+  if (diagnostics_.errorCount() < maximumErrors) diagnostics_.add(std::move(diagnostic));
   if (diagnostics_.errorCount() < maximumErrors) return;
   givenUp_ = true;
   index_ = stream_.tokens.size() - 1;

@@ -326,7 +326,7 @@ void FileClient::message(const preprocessor::MessageEvent& event) {
   Diagnostic diagnostic;
   diagnostic.severity = event.level == preprocessor::MessageLevel::error ? Severity::error : Severity::warning;
   diagnostic.location = std::move(location);
-  diagnostic.message = std::string(event.text);
+  diagnostic.message = event.text.empty() ? "this directive gives no reason" : std::string(event.text);
   if (event.place.file != preprocessor::noFile) {
     diagnostic.sourceLine = result_.sourceMap->shownLine(event.place.file, event.place.line);
   }
@@ -337,8 +337,8 @@ void FileClient::message(const preprocessor::MessageEvent& event) {
   }
   const bool suppressed = diagnostic.severity == Severity::warning && event.place.file != preprocessor::noFile &&
                           result_.sourceMap->warningsSuppressed(event.place.file, event.place.line);
-  lastMessageKept_ = !suppressed;
-  if (!suppressed) result_.diagnostics.add(std::move(diagnostic));
+  lastMessageKept_ = !suppressed && result_.diagnostics.errorCount() < maximumErrors;
+  if (lastMessageKept_) result_.diagnostics.add(std::move(diagnostic));
 }
 
 // Predefines ----------------------------------------------------------------------------------------------------------

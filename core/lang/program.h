@@ -90,6 +90,9 @@ enum class Op : std::uint8_t {
   call,       ///< a library function: `function` names the row and overload
   message,    ///< printf, warning, error, fprintf…: arguments[0] is the constant format string; kind in `function`
   // Closures. A closure value is, for every call site of the program, a weight (colour) and the site's parameters.
+  // These
+  // operations exist within the front end only: it takes closures apart (expandClosures), and a finished program has no
+  // variable of closure type. A constant of closure type is the null closure.
   closureMake,       ///< closure with site `site` at weight 1; arguments are the parameters of the closure's row
   closureScale,      ///< (closure, float | colour): weights are multiplied
   closureAdd,        ///< (closure, closure): weights add; parameters of a site present in both: the mean, weighted by

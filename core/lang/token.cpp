@@ -162,6 +162,7 @@ std::string describe(const Token& token) {
     case TokenKind::stringLiteral:
       return token.text.size() > longest ? "a string" : "the string " + std::string(token.text);
     default:
+      if (token.text.starts_with('\'') && token.text.size() <= longest) return std::string(token.text);
       return "'" + std::string(token.text.substr(0, longest)) + (token.text.size() > longest ? "…'" : "'");
   }
 }

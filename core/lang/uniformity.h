@@ -20,15 +20,16 @@ bool writesArgument(const Program& program, const Instruction& instruction, std:
 
 /// Uniformity of a program's code over a group of points that run it in step.
 ///
-/// A variable is uniform when all points of the group that can read it see one value. It stays uniform under control flow
-/// that parts the points as long as none of the parted points reads it later: every variable has a home, the innermost
-/// block (or loop with the writes before it) outside of which its value is of no interest. Only what parts points between
-/// the home and a write makes the variable varying, or makes the write keep the old value of the points that are absent.
-/// (In spirit: Karrenberg and Hack 2011, "Whole-function vectorization"; here on structured code, with early exits.)
+/// A variable is uniform when all points of the group that can read it see one value. It stays uniform under control
+/// flow that parts the points as long as none of the parted points reads it later: every variable has a home, the
+/// innermost block (or loop with the writes before it) outside of which its value is of no interest. Only what parts
+/// points between the home and a write makes the variable varying, or makes the write keep the old value of the points
+/// that are absent. (In spirit: Karrenberg and Hack 2011, "Whole-function vectorization"; here on structured code, with
+/// early exits.)
 class Uniformity {
  public:
   struct Inputs {
-    std::function<bool(VariableId)> startsVarying;      ///< Globals, and parameters that differ between instances.
+    std::function<bool(VariableId)> startsVarying;       ///< Globals, and parameters that differ between instances.
     std::function<bool(const Instruction&)> callVaries;  ///< Calls that vary although no argument does.
   };
   Uniformity(const Program& program, const Code& code, const Inputs& inputs);
@@ -60,7 +61,7 @@ class Uniformity {
   /// What is known of a variable in one block.
   struct Accesses {
     unsigned count = 0;
-    bool startsWithWrite = false;  ///< The first access is a write of the whole variable by the block itself.
+    bool startsWithWrite = false;           ///< The first access is a write of the whole variable by the block itself.
     const Instruction* onlyLoop = nullptr;  ///< All accesses but such writes before it are within this loop.
     bool usedOutsideLoop = false;
   };

@@ -113,11 +113,15 @@ void KernelQueues::gather(const Queue& queue, std::span<PathContext* const> path
 }
 
 /// NaN, infinite and negative results become zero: counted, and reported once a shader with the point that gave them.
-void KernelQueues::checkCoefficients(volume::Coefficients& answer, const Question& question, PathContext& path) {
-  if (isSound(answer.sigmaT) && isSound(answer.sigmaS) && isFinite(answer.emission)) [[likely]]
-    return;
+void KernelQueues::checkCoefficients(volume::Coefficients& answer, std::uint32_t index, PathContext& path) {
+  bool sound = isSound(answer.sigmaT) && isSound(answer.sigmaS) && isFinite(answer.emission);
+  for (std::uint32_t i = 0; i < answer.lobeCount; ++i) {
+    sound = sound && isSound(answer.lobes[i].sigmaS) && std::isfinite(answer.lobes[i].anisotropy);
+  }
+  if (sound) return;
   ++statistics_.invalidCoefficients;
-  scene_.messages->reportInvalid(*question.medium, question.point, answer, path.id());
+  const Question& question = path.questions()[index];
+  scene_.messages->reportInvalid(*question.medium, question.point, answer, path.id(), path.questionNumber(index));
   const auto mend = [](Color& c, bool mayBeNegative) {
     for (int i = 0; i < 3; ++i) {
       if (!std::isfinite(c[i]) || (c[i] < 0 && !mayBeNegative)) c[i] = 0;
@@ -159,7 +163,7 @@ void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext
     answer.lobeCount = queue.lobes;
     if (queue.copiesSigmaS) answer.lobes[0].sigmaS = answer.sigmaS;
     if (!sound) [[unlikely]]
-      checkCoefficients(answer, path.questions()[running_[lane].question], path);
+      checkCoefficients(answer, running_[lane].question, path);
   }
 }
 
@@ -177,7 +181,7 @@ void KernelQueues::scatterExtinction(const Queue& queue, std::span<PathContext* 
     answer.sigmaS = Color();
     answer.emission = Color();
     answer.lobeCount = 0;
-    checkCoefficients(answer, path.questions()[running_[lane].question], path);
+    checkCoefficients(answer, running_[lane].question, path);
   }
 }
 

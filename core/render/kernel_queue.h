@@ -50,7 +50,7 @@ class KernelQueues {
   void scatterExtinction(const Queue& queue, std::span<PathContext* const> paths);
   void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);
   void scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths);
-  void checkCoefficients(volume::Coefficients& answer, const Question& question, PathContext& path);
+  void checkCoefficients(volume::Coefficients& answer, std::uint32_t index, PathContext& path);
   void count(int points, int width);
 
   const PreparedScene& scene_;

@@ -41,9 +41,10 @@ std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& sc
   }
   const Question question{&medium, volume::Quantity::coefficients, {}, {}, nullptr};
   return askOnce(scene, question,
-                 [](PathContext& path, const WorkerStatistics& statistics) -> std::optional<volume::Coefficients> {
-                   if (statistics.invalidCoefficients > 0) return {};
-                   return path.answer(0);
+                 [&](PathContext& path, const WorkerStatistics& statistics) -> std::optional<volume::Coefficients> {
+                   if (statistics.invalidCoefficients == 0) return path.answer(0);
+                   scene.messages->forgetInvalid(medium);  // The render will say where.
+                   return {};
                  });
 }
 

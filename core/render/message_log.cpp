@@ -12,13 +12,15 @@ void MessageLog::collect(shading::KernelHost& host, const shading::Batch& batch,
     }
     return std::string();
   };
+  std::vector<std::uint32_t> calls(lanes.size(), 0);
   const std::lock_guard lock(mutex_);
   for (const shading::Record& record : host.records()) {
     if (record.lane >= lanes.size() || record.site >= interface.sites.size()) continue;
-    PathContext& path = *paths[lanes[record.lane].slot];
+    const PendingQuestion& from = lanes[record.lane];
+    const PathContext& path = *paths[from.slot];
     const jit::MessageSite& site = interface.sites[record.site];
-    Message message{path.id(), path.nextCall(), site.kind, site.location, shading::describe(record, site, text)};
-    messages_.insert(std::move(message));
+    messages_.insert({path.id(), path.questionNumber(from.question), calls[record.lane]++, site.kind, site.location,
+                      shading::describe(record, site, text)});
     if (messages_.size() > maximum_) {
       messages_.erase(std::prev(messages_.end()));
       ++dropped_;
@@ -28,11 +30,18 @@ void MessageLog::collect(shading::KernelHost& host, const shading::Batch& batch,
 }
 
 void MessageLog::reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
-                               const PathId& path) {
+                               const PathId& path, std::uint32_t question) {
   const std::lock_guard lock(mutex_);
   Invalid& entry = invalid_[medium.index];
   ++entry.count;
-  if (entry.count == 1 || path < entry.path) entry = {path, point, given, entry.count};
+  if (entry.count == 1 || std::tie(path, question) < std::tie(entry.path, entry.question)) {
+    entry = {path, question, point, given, entry.count};
+  }
+}
+
+void MessageLog::forgetInvalid(const volume::Medium& medium) {
+  const std::lock_guard lock(mutex_);
+  invalid_.erase(medium.index);
 }
 
 std::vector<Message> MessageLog::sorted() const {

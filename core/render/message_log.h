@@ -1,5 +1,5 @@
 // Messages of shaders and reports about them, in the order (pixel, sample, call), whatever thread and batch they came
-// from.
+// from. A call is known by the number of its question within the path: batches may answer questions in any order.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,8 @@ namespace aerosol::render {
 /// A shader's message about one point of one path.
 struct Message {
   PathId path;
-  std::uint32_t call = 0;  ///< Counts the messages of the path.
+  std::uint32_t question = 0;  ///< Of the path, in the order of asking.
+  std::uint32_t call = 0;      ///< Counts the messages of the question.
   std::uint32_t kind = AEROSOL_MESSAGE_PRINT;
   SourceLocation location;
   std::string text;
@@ -34,12 +35,15 @@ class MessageLog {
   void collect(shading::KernelHost& host, const shading::Batch& batch, std::span<const PendingQuestion> lanes,
                std::span<PathContext* const> paths);
 
-  /// A shader gave NaN, infinite or negative coefficients. Kept once a medium: for the first (pixel, sample).
+  /// A shader gave NaN, infinite or negative coefficients. Kept once a medium: for the first (pixel, sample, question).
   void reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
-                     const PathId& path);
+                     const PathId& path, std::uint32_t question = 0);
+  /// Takes back what was reported about a medium before the render.
+  void forgetInvalid(const volume::Medium& medium);
 
   struct Invalid {
     PathId path;
+    std::uint32_t question = 0;
     Point<World> point;
     volume::Coefficients given;
     std::uint64_t count = 0;
@@ -53,7 +57,7 @@ class MessageLog {
  private:
   struct Order {
     bool operator()(const Message& a, const Message& b) const {
-      return std::tie(a.path, a.call) < std::tie(b.path, b.call);
+      return std::tie(a.path, a.question, a.call) < std::tie(b.path, b.question, b.call);
     }
   };
 

@@ -67,7 +67,7 @@ class PathContext {
   void restart(const PathId& id, const SampleStream& random) {
     id_ = id;
     random_ = random;
-    calls_ = 0;
+    questionsBefore_ = 0;
     questions_.clear();
     answered_ = true;
   }
@@ -134,8 +134,8 @@ class PathContext {
   SurfaceAnswer& surfaceAnswer() { return surfaceAnswer_; }
   const PathId& id() const { return id_; }
   void resume() { waiting_.resume(); }
-  /// Numbers the messages of a path.
-  std::uint32_t nextCall() { return calls_++; }
+  /// Counts the questions of a path in the order of asking; `question` is an index into `questions`.
+  std::uint32_t questionNumber(std::uint32_t question) const { return questionsBefore_ + question; }
 
   // Scratch, reused from ray to ray.
   accel::SpanBuffer spans;
@@ -146,7 +146,10 @@ class PathContext {
  private:
   /// Answers stay readable until the next question.
   void beginQuestions() {
-    if (answered_) questions_.clear();
+    if (answered_) {
+      questionsBefore_ += static_cast<std::uint32_t>(questions_.size());
+      questions_.clear();
+    }
     answered_ = false;
   }
 
@@ -162,7 +165,7 @@ class PathContext {
   std::vector<volume::Coefficients> answers_;
   SurfaceAnswer surfaceAnswer_;
   bool answered_ = true;
-  std::uint32_t calls_ = 0;
+  std::uint32_t questionsBefore_ = 0;
   std::coroutine_handle<> waiting_;
 };
 

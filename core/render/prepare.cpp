@@ -26,6 +26,7 @@ class Preparation {
         scene_(std::make_unique<PreparedScene>()) {}
 
   Result<std::unique_ptr<const PreparedScene>> run() {
+    setUpCamera();
     bindMaterials();
     placeMedia();
     if (errors_.hasErrors()) return fail();
@@ -38,7 +39,6 @@ class Preparation {
     if (errors_.hasErrors()) return fail();
     decideMedia();
     addLights();
-    setUpCamera();
     if (errors_.hasErrors()) return fail();
     description_.sources->annotate(warnings_);
     return std::unique_ptr<const PreparedScene>(std::move(scene_));

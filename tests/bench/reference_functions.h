@@ -8,6 +8,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
 #include "tests/bench/reference.h"
 
 namespace aerosol::bench {
@@ -75,6 +79,18 @@ struct Functions {
   }
 
   static Float gradient(Word hashed, Float x, Float y, Float z) {
+#if defined(__AVX512F__)
+    if constexpr (W == 16) {
+      // Sixteen gradients are one register an axis.
+      const __m512 gx = _mm512_setr_ps(1, -1, 1, -1, 1, -1, 1, -1, 0, 0, 0, 0, 1, 0, -1, 0);
+      const __m512 gy = _mm512_setr_ps(1, 1, -1, -1, 0, 0, 0, 0, 1, -1, 1, -1, 1, -1, 1, -1);
+      const __m512 gz = _mm512_setr_ps(0, 0, 0, 0, 1, 1, -1, -1, 1, 1, -1, -1, 0, 1, 0, -1);
+      const auto pick = [&](__m512 table) {
+        return __builtin_bit_cast(Float, _mm512_permutexvar_ps(__builtin_bit_cast(__m512i, hashed), table));
+      };
+      return L::fma(pick(gz), z, L::fma(pick(gy), y, pick(gx) * x));
+    }
+#endif
     const Word h = hashed & Word(15);
     const Float u = L::choose(h < Word(8), x, y);
     const Float v = L::choose(h < Word(4), y, L::choose((h == Word(12)) | (h == Word(14)), x, z));

@@ -1,7 +1,7 @@
 // One bad shader a file: `NAME.osl` states in comments exactly the messages that it has to give, in their order:
 //
 //   // expect 3:14: part of the error's text
-//   // expect include/file.h:3:14: part of the text, for an error in a file that it includes
+//   // expect include/file.inc:3:14: part of the text, for an error in a file that it includes
 //   // warn 3:14: part of the warning's text
 //
 // Every message has to carry the source line that it points into.

@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$1"
 formatter=$2
 
-list() { find core plugins tests \( -name '*.cpp' -o -name '*.h' \) -print0; }
+list() { find core plugins tests -path tests/errors/shader -prune -o \( -name '*.cpp' -o -name '*.h' \) -print0; }
 
 if [ -z "$(list | head -c 1 | tr -d '\0')" ]; then
   echo "no C++ files under $1" >&2

@@ -11,6 +11,6 @@ for folder in core plugins tests; do
 done
 # First the names of all files, then all their include lines.
 {
-  find "${folders[@]}" \( -name '*.h' -o -name '*.cpp' \) | sed 's/^/file:/'
-  grep -rnE --include='*.h' --include='*.cpp' '^[[:space:]]*#[[:space:]]*include' "${folders[@]}" || true
+  find "${folders[@]}" \( -name '*.h' -o -name '*.inc' -o -name '*.cpp' \) | sed 's/^/file:/'
+  grep -rnE --include='*.h' --include='*.inc' --include='*.cpp' '^[[:space:]]*#[[:space:]]*include' "${folders[@]}" || true
 } | awk -f "$here/rules.awk"

@@ -127,18 +127,16 @@ TEST_P(HardCases, SegmentOfOneUlpFarOut) {
 /// Flights a tenth of the last digit of t: their sum is right all the same.
 TEST(TrackersFarOut, FlightsShorterThanTheLastDigitAddUp) {
   const float t0 = 1e6f, t1 = t0 + 1;  // 16 ulps
-  const Coefficients half = coefficients(Color(100.0f), Color(1.0f));
-  HardCase c(t0, t1, {half}, 160);
   const Coefficients thin = coefficients(Color(1.0f), Color(1.0f));
   HardCase underALooseBound(t0, t1, {thin}, 160);
   Uniforms random(seedOfTest());
   RunningMean passed, ratio;
-  for (int i = 0; i < 200000; ++i) {
+  for (int i = 0; i < 50000; ++i) {
     const DistanceSample s = underALooseBound.sample(Tracker::nullScattering, random);
     passed.add(s.event == DistanceEvent::passed ? static_cast<double>(s.weight.g) : 0);
     ratio.add(static_cast<double>(underALooseBound.ratioTracking(random).g));
   }
-  EXPECT_TRUE(agrees(passed, std::exp(-1)));
+  EXPECT_TRUE(agrees(passed, std::exp(-1), 0.01));
   EXPECT_TRUE(agrees(ratio, std::exp(-1)));
 }
 
@@ -214,20 +212,26 @@ TEST_P(HardCases, ExtinctionFromNothingToEverything) {
       scattered.add(s.event == DistanceEvent::scattered ? static_cast<double>(s.weight.g) : 0);
       emission.add(static_cast<double>(s.emission.g));
     }
-    const auto depth = static_cast<double>(sigma);
-    EXPECT_NEAR(passed.mean(), std::exp(-depth), 4 * passed.standardError() + 1e-5) << sigma;
-    EXPECT_NEAR(scattered.mean(), -0.75 * std::expm1(-depth), 4 * scattered.standardError() + 1e-5) << sigma;
-    EXPECT_NEAR(emission.mean(), -std::expm1(-depth), 4 * emission.standardError() + 1e-5) << sigma;
+    // A rare event may not occur at all: its deviation is known, that of the samples says nothing then.
+    const double transmittance = std::exp(-static_cast<double>(sigma)), lost = -std::expm1(-static_cast<double>(sigma));
+    const double slack = 4 * std::sqrt(transmittance * lost / 2000) + 1e-5;
+    EXPECT_NEAR(passed.mean(), transmittance, 4 * passed.standardError() + slack) << sigma;
+    EXPECT_NEAR(scattered.mean(), 0.75 * lost, 4 * scattered.standardError() + slack) << sigma;
+    EXPECT_NEAR(emission.mean(), lost, 4 * emission.standardError() + slack) << sigma;
     EXPECT_EQ(c.statistics().stepLimits, 0u);
   }
 }
 
 /// A distance in a medium of denormal extinction, found because the segment is long: 1 / σ does not fit into a float.
 TEST_P(HardCases, DenormalExtinctionOverAnEndlessSegment) {
-  if (tracker() != Tracker::closedForm && tracker() != Tracker::nullScattering) return;
-  for (const float sigma : {1e-45f, 1e-40f, 1e-38f}) {
-    HardCase c(0, std::numeric_limits<float>::max(), {coefficients(Color(sigma), Color(0.75f))}, sigma);
-    for (int i = 0; i < 2000; ++i) sampleSoundly(c);
+  constexpr float longest = std::numeric_limits<float>::max();
+  for (const float end : {longest, infinity}) {
+    // Looking once a step, trackers that step never end in an infinite segment.
+    if (end == infinity && tracker() != Tracker::closedForm) continue;
+    for (const float sigma : {1e-45f, 1e-40f, 1e-38f, 1e-30f}) {
+      HardCase c(0, end, {coefficients(Color(sigma), Color(0.75f))}, sigma, longest / 10);
+      for (int i = 0; i < 1000; ++i) sampleSoundly(c);
+    }
   }
 }
 
@@ -270,9 +274,9 @@ TEST_P(HardCases, OpticalDepthOfAMillion) {
 
 TEST_P(HardCases, EmissionWithoutExtinction) {
   for (const float sigma : {0.0f, 1e-30f, 1e-7f}) {
-    HardCase c(1, 3, {coefficients(Color(sigma), Color(0.5f), Color(1, 2, 3))}, 2);
+    HardCase c(1, 3, {coefficients(Color(sigma), Color(0.5f), Color(1, 2, 3))}, 2, 0.1f);
     std::array<RunningMean, 3> emission;
-    for (int i = 0; i < 100000; ++i) {
+    for (int i = 0; i < 30000; ++i) {
       const DistanceSample s = sampleSoundly(c);
       for (const int k : channels) emission[static_cast<std::size_t>(k)].add(static_cast<double>(s.emission[k]));
     }
@@ -297,7 +301,9 @@ TEST_P(HardCases, EmissionUnderABoundOfZero) {
 TEST_P(HardCases, EndsOfRandomNumbers) {
   struct Extremes {
     unsigned bits = 0;
+    int calls = 0;
     float next() {
+      if (calls++ >= 8) return 0.4f;
       const float u = (bits & 1) != 0 ? 0x1.fffffep-1f : 0.0f;
       bits >>= 1;
       return u;

@@ -15,6 +15,7 @@ template <UniformSource R>
 DistanceSample sampleHomogeneous(const Segment& segment, Color throughput, R& random) {
   CoefficientSum sum;
   for (const Medium* medium : segment.media) sum.add(*medium->constant);
+  sum.sigmaT = withoutNegligible(sum.sigmaT);
   const float length = segment.t1 - segment.t0;
 
   DistanceSample sample;

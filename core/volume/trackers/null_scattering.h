@@ -20,7 +20,7 @@ namespace aerosol::volume {
 inline float workingBound(const Medium& medium) {
   if (medium.constant) return maximum(medium.constant->sigmaT);
   const float bound = medium.bound->value;
-  return medium.relaxesBound || !(bound > 0) ? std::max(bound, 1.0f / medium.stepSize) : bound;
+  return medium.relaxesBound || !(bound > negligibleExtinction) ? std::max(bound, 1.0f / medium.stepSize) : bound;
 }
 
 inline void countViolation(const Medium& medium, Color sigmaT, float bound, TrackerStatistics& statistics) {
@@ -68,7 +68,7 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
   sample.pdfKind = PdfKind::joint;
   float bound = 0;
   for (const Medium* medium : segment.media) bound += workingBound(*medium);
-  if (!(bound > 0)) co_return sample;
+  if (!(bound > negligibleExtinction)) co_return sample;
   const ChannelMixture channels(throughput);
 
   // Of the chain up to t: exp(-μ̄ (t - t0)) times μ̄ and the probability of what happened, for each collision.
@@ -140,7 +140,7 @@ template <Evaluator E, UniformSource R>
 Task<Color> ratioTracking(E& evaluator, Ray<World> ray, MediumSpan span, R& random) {
   const float bound = workingBound(*span.medium);
   Color transmittance(1.0f);
-  if (!(bound > 0)) co_return transmittance;
+  if (!(bound > negligibleExtinction)) co_return transmittance;
   double t = span.t0;
   for (int step = 0;; ++step) {
     t += freeFlight(random.next(), bound);

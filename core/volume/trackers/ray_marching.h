@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "core/volume/distance_sample.h"
 #include "core/volume/segments.h"
@@ -72,17 +73,19 @@ Task<DistanceSample> sampleByMarching(E& evaluator, Ray<World> ray, Segment segm
       const float travelled =
           hit ? std::min(static_cast<float>((targetDepth - depth[channelIndex]) / sigma), cells.step) : cells.step;
       if (!isBlack(sum.emission)) {
-        // ∫ T/P over the part travelled, P the probability of coming this far: exact for grey extinction.
-        const Color middle = transmittanceAt(sum.sigmaT, 0.5f * travelled);
-        const float reach = channels.mix(middle);
-        if (reach > 0) sample.emission += sum.emission * (middle / reach) * travelled;
+        // Expected value over the whole cell for a path that came as far as its beginning: ∫ T ε ds / P(beginning).
+        const Color begin = transmittanceAt(Color(), 0);
+        const float reach = channels.mix(begin);
+        if (reach > 0) {
+          sample.emission += sum.emission * (begin / reach) * transmittedLength(sum.sigmaT, cells.step);
+        }
       }
       if (hit) {
         const Color transmittance = transmittanceAt(sum.sigmaT, travelled);
         const float pdf = channels.mix(sum.sigmaT * transmittance);
         sample.t = std::min(segment.t0 + static_cast<float>(first + i) * cells.step + travelled, segment.t1);
         sample.logPdf = std::log(static_cast<double>(pdf));
-        if (pdf > 0) {
+        if (pdf > std::numeric_limits<float>::min()) {
           chooseLobe(segment.media, answers.subspan(cellBegin), transmittance / pdf, random.next(), sample);
         } else {
           sample.event = DistanceEvent::absorbed;

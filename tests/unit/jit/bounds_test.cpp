@@ -24,7 +24,7 @@ constexpr std::size_t pointsInBox = 24;
 
 std::uint64_t programCount() {
   const char* text = std::getenv("AEROSOL_RANDOM_PROGRAMS");
-  return text ? std::strtoull(text, nullptr, 10) : 60;
+  return text ? std::strtoull(text, nullptr, 10) : 24;
 }
 
 /// Boxes of all sizes, from single points to some units.
