@@ -1,6 +1,8 @@
 #include "core/render/direct_light.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/render/medium_walk.h"
 #include "core/render/prepared_scene.h"
@@ -9,7 +11,13 @@ namespace aerosol::render {
 
 namespace {
 
-/// The ray from a vertex to a light sample, ending just before the light's surface.
+/// Distances in a float ray are off by some of these parts of the coordinates involved.
+constexpr float rayError = 8 * std::numeric_limits<float>::epsilon();
+
+float largestCoordinate(Point<World> p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
+
+/// The ray from a vertex to a light sample. It ends before the light's surface by what rounding of its direction can
+/// move its end, more where it grazes the light: otherwise the light would shade itself now and then.
 Ray<World> shadowRay(const ScatteringVertex& vertex, const LightSample& light, float time) {
   Ray<World> ray;
   ray.time = time;
@@ -19,8 +27,14 @@ Ray<World> shadowRay(const ScatteringVertex& vertex, const LightSample& light, f
   const bool hasSurface = !(light.normal == Normal<World>());
   const Point<World> end = hasSurface ? accel::offsetPoint(light.point, light.normal, -light.direction) : light.point;
   const Vector<World> way = end - ray.origin;
-  ray.tMax = length(way);
+  const float distance = length(way);
   ray.direction = normalize(way);
+  ray.tMax = distance;
+  if (hasSurface) {
+    const float error = rayError * (distance + largestCoordinate(end));
+    const float cosine = std::max(std::fabs(dot(ray.direction, light.normal)), 1e-4f);
+    ray.tMax = std::max(0.5f * distance, distance - error / cosine);
+  }
   return ray;
 }
 

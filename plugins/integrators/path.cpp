@@ -104,7 +104,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
   Radiance radiance;
   PathState state{.ray = cameraRay, .boundaryMedium = scene.cameraMedium};
   std::optional<accel::HitKey> passed;  // The boundary that this ray has just gone through.
-  bool goesOn = true;
+  bool goesOn = scene.path.maxDepth != 0;
   while (goesOn) {
     const auto hit =
         scene.geometry->closestHit(state.ray, path.spans, path.statistics().accel, passed ? &*passed : nullptr);

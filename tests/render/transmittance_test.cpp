@@ -53,12 +53,12 @@ TEST(HomogeneousSlab, EmissionAlone) {
 
 TEST(HomogeneousSlab, EmissionAndAbsorption) {
   const TestScene scene = loadScene("", {.fov = 60}, std::string(whiteSky) + slab(R"(<medium type="homogeneous">
-      <rgb name="sigma_t" value="0.2, 1, 3"/><rgb name="albedo" value="0"/><rgb name="emission" value="0.5, 1, 2"/>
+      <rgb name="sigma_t" value="0.2, 1, 1.5"/><rgb name="albedo" value="0"/><rgb name="emission" value="0.5, 1, 2"/>
       </medium>)"));
   const auto film = scene.render(1024);
   EXPECT_TRUE(shows(scene, *film, [](const Ray<World>& ray) {
     const Color sigma(0.2f, 1, 3), transmittance = exp(sigma * static_cast<float>(-slabLength(ray)));
-    const Color emitted = (Color(1.0f) - transmittance) * Color(0.5f / 0.2f, 1, 2.0f / 3);
+    const Color emitted = (Color(1.0f) - transmittance) * Color(0.5f / 0.2f, 1, 2 / 1.5f);
     return sky * transmittance + emitted;
   }));
 }

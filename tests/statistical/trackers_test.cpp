@@ -322,8 +322,10 @@ TEST_P(JointDensity, NullScattering) {
                                   [&] { return sampleDistance(Tracker::nullScattering, setup, c, random); }));
 }
 
+class ChainDensity : public ::testing::TestWithParam<TrackerCase> {};
+
 /// The probability of a chain, computed from the points at which the tracker asked.
-TEST_P(JointDensity, IsThatOfTheChain) {
+TEST_P(ChainDensity, IsThatOfTheChain) {
   const TrackerCase& c = GetParam();
   TrackerSetup setup(c, 1.3);
   Uniforms random(seedOfTest());
@@ -368,7 +370,11 @@ TEST_P(JointDensity, IsThatOfTheChain) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, JointDensity,
+// (Where a channel scatters next to nothing, the inverse density has no variance that could be resolved: chromatic
+// cases are tested chain by chain.)
+INSTANTIATE_TEST_SUITE_P(All, JointDensity, ::testing::Values(densityCase("gentle")),
+                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, ChainDensity,
                          ::testing::Values(densityCase("gentle"),
                                            densityCase("gentleChromatic", Color(0.5f, 1, 0.25f))),
                          [](const auto& info) { return info.param.name; });

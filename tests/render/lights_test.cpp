@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "tests/render/film_checks.h"
+
+// Each kind of light on a diffuse plane.
+
+namespace aerosol::test {
+namespace {
+
+using std::numbers::pi;
+
+/// The plane y = 0, seen from above and aside; the lights are above it and out of sight.
+constexpr const char* plane = R"(<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/>
+    <scale value="30"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="0.8, 0.5, 0.2"/></bsdf></shape>)";
+const TestSensor fromAbove{.origin = "0, 2, -2", .target = "0, 0, 0.2", .fov = 40};
+constexpr const char* direct = R"(<integer name="max_depth" value="2"/>)";
+
+/// Radiance of the plane where a ray meets it, of the irradiance there.
+ExpectedRadiance reflected(std::function<double(double x, double z)> irradiance) {
+  return [=](const Ray<World>& ray) {
+    const double t = -static_cast<double>(ray.origin.y) / static_cast<double>(ray.direction.y);
+    const double x = static_cast<double>(ray.origin.x) + t * static_cast<double>(ray.direction.x);
+    const double z = static_cast<double>(ray.origin.z) + t * static_cast<double>(ray.direction.z);
+    return Color(0.8f, 0.5f, 0.2f) * static_cast<float>(irradiance(x, z) / pi);
+  };
+}
+
+TEST(LightsOnAPlane, Point) {
+  const TestScene scene = loadScene(direct, fromAbove, std::string(plane) + R"(<emitter type="point">
+      <point name="position" x="0.3" y="1.5" z="0.2"/><rgb name="intensity" value="4"/></emitter>)");
+  EXPECT_TRUE(shows(scene, *scene.render(64), reflected([](double x, double z) {
+                      const double squared = (x - 0.3) * (x - 0.3) + 1.5 * 1.5 + (z - 0.2) * (z - 0.2);
+                      return 4 * 1.5 / (squared * std::sqrt(squared));
+                    })));
+}
+
+TEST(LightsOnAPlane, Directional) {
+  const TestScene scene = loadScene(direct, fromAbove, std::string(plane) + R"(<emitter type="directional">
+      <vector name="direction" x="1" y="-2" z="2"/><rgb name="irradiance" value="3"/></emitter>)");
+  EXPECT_TRUE(shows(scene, *scene.render(4), reflected([](double, double) { return 2; })));
+}
+
+TEST(LightsOnAPlane, Constant) {
+  const TestScene scene = loadScene(direct, fromAbove, std::string(plane) + R"(<emitter type="constant">
+      <rgb name="radiance" value="2"/></emitter>)");
+  EXPECT_TRUE(shows(scene, *scene.render(256), reflected([](double, double) { return 2 * pi; }), 0.003));
+}
+
+/// A square of half width 1 at y = 1.5 that faces down.
+TEST(LightsOnAPlane, Rectangle) {
+  const TestScene scene = loadScene(direct, fromAbove, std::string(plane) + R"(<shape type="rectangle">
+      <transform name="to_world"><rotate x="1" angle="90"/><translate x="0" y="1.5" z="2"/></transform>
+      <bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="2"/></emitter></shape>)");
+  EXPECT_TRUE(shows(scene, *scene.render(1024), reflected([](double x, double z) {
+                      return integrate(
+                          [&](double a) {
+                            return integrate(
+                                [&](double b) {
+                                  const double squared = (x - a) * (x - a) + 1.5 * 1.5 + (z - 2 - b) * (z - 2 - b);
+                                  return 2 * 1.5 * 1.5 / (squared * squared);
+                                },
+                                -1, 1, 3);
+                          },
+                          -1, 1, 3);
+                    })));
+}
+
+/// A ball above the plane's horizon: π L (R / d)² cos.
+TEST(LightsOnAPlane, Sphere) {
+  const TestScene scene = loadScene(direct, fromAbove, std::string(plane) + R"(<shape type="sphere">
+      <point name="center" x="0.5" y="2" z="1.5"/><float name="radius" value="0.5"/>
+      <bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="3"/></emitter></shape>)");
+  EXPECT_TRUE(shows(scene, *scene.render(1024), reflected([](double x, double z) {
+                      const double squared = (x - 0.5) * (x - 0.5) + 4 + (z - 1.5) * (z - 1.5);
+                      return pi * 3 * 0.25 / squared * 2 / std::sqrt(squared);
+                    })));
+}
+
+TEST(LightsOnAPlane, SeveralKindsAddUp) {
+  const TestScene scene = loadScene(direct, fromAbove, std::string(plane) + R"(
+      <emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>
+      <emitter type="directional"><vector name="direction" x="1" y="-2" z="2"/><rgb name="irradiance" value="1.5"/></emitter>
+      <emitter type="point"><point name="position" x="0.3" y="1.5" z="0.2"/><rgb name="intensity" value="1"/></emitter>)");
+  EXPECT_TRUE(shows(scene, *scene.render(1024), reflected([](double x, double z) {
+                      const double squared = (x - 0.3) * (x - 0.3) + 1.5 * 1.5 + (z - 0.2) * (z - 0.2);
+                      return 0.3 * pi + 1 + 1.5 / (squared * std::sqrt(squared));
+                    })));
+}
+
+/// An absorbing slab between light and plane: Beer's law along the shadow rays and along the camera's.
+TEST(LightsThroughMedia, DirectionalThroughASlab) {
+  const TestScene scene =
+      loadScene(direct, {.origin = "0, 4, -2", .target = "0, 0, 0.2", .fov = 30}, std::string(plane) + R"(
+      <emitter type="directional"><vector name="direction" x="1" y="-2" z="2"/><rgb name="irradiance" value="3"/></emitter>
+      <volume type="box"><transform name="to_world"><scale x="40" y="0.25" z="40"/><translate x="0" y="1" z="0"/></transform>
+      <medium type="homogeneous"><rgb name="sigma_t" value="0.8"/><rgb name="albedo" value="0"/></medium></volume>)");
+  EXPECT_TRUE(shows(scene, *scene.render(512), [](const Ray<World>& ray) {
+    const double seen = std::exp(-0.8 * 0.5 / -static_cast<double>(ray.direction.y));
+    const double lit = std::exp(-0.8 * 0.5 * 1.5);
+    return Color(0.8f, 0.5f, 0.2f) * static_cast<float>(2 / pi * seen * lit);
+  }));
+}
+
+/// The same through a scripted slab: ratio tracking and marched shadow rays.
+TEST(LightsThroughMedia, DirectionalThroughAScriptedSlab) {
+  for (const char* sampling : {R"(<string name="distance" value="null"/>)",
+                               R"(<string name="distance" value="marching"/><float name="step_size" value="0.05"/>)"}) {
+    // Looking straight down at z near 0, all of the light comes through a density of 1 + 0.5 z.
+    const TestScene scene =
+        loadScene(direct, {.origin = "0, 4, 0.01", .target = "0, 0, 0", .fov = 30}, std::string(plane) + R"(
+        <emitter type="directional"><vector name="direction" x="0" y="-1" z="1"/><rgb name="irradiance" value="3"/></emitter>
+        <volume type="box"><transform name="to_world"><scale x="40" y="0.25" z="40"/><translate x="0" y="1" z="0"/></transform>
+        <medium type="ramp">)" + sampling + R"(<float name="at_zero" value="1.6"/><float name="slope" value="0.3"/>
+        <float name="most" value="14"/></medium></volume>)");
+    EXPECT_TRUE(shows(scene, *scene.render(2048), [](const Ray<World>& ray) {
+      const auto at = [&](double y) {
+        const double t = (y - static_cast<double>(ray.origin.y)) / static_cast<double>(ray.direction.y);
+        return static_cast<double>(ray.origin.z) + t * static_cast<double>(ray.direction.z);
+      };
+      const double zSeen = 0.5 * (at(0.75) + at(1.25)), zLit = at(0) - 1;
+      const double seen = std::exp(-(1.6 + 0.3 * zSeen) * 0.5 / -static_cast<double>(ray.direction.y));
+      const double lit = std::exp(-(1.6 + 0.3 * zLit) * 0.5 * std::numbers::sqrt2);
+      return Color(0.8f, 0.5f, 0.2f) * static_cast<float>(3 / std::numbers::sqrt2 / pi * seen * lit);
+    })) << sampling;
+  }
+}
+
+}  // namespace
+}  // namespace aerosol::test

@@ -1,0 +1,209 @@
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "tests/render/film_checks.h"
+
+// Scattering in media: one order against quadrature, all orders in furnaces, the meaning of the depth limit.
+
+namespace aerosol::test {
+namespace {
+
+double henyeyGreenstein(double g, double cosine) {
+  const double d = 1 + g * g - 2 * g * cosine;
+  return (1 - g * g) / (4 * std::numbers::pi * d * std::sqrt(d));
+}
+
+/// Light of a point inside a homogeneous sphere, scattered once, by quadrature along the camera ray.
+class PointInSphere {
+ public:
+  std::array<double, 3> light{0.1, 0.6, -0.2};
+  Color sigmaT{0.5f, 1, 1.5f}, albedo{0.9f, 0.6f, 0.3f};
+  double g = 0.4, intensity = 5;
+
+  Color operator()(const Ray<World>& ray) const {
+    const std::array<double, 2> inside = throughSphere(ray, 1);
+    return color([&](int c) {
+      const auto sigma = static_cast<double>(sigmaT[c]);
+      const auto along = [&](double t) {
+        double squared = 0, projected = 0;
+        for (int i = 0; i < 3; ++i) {
+          const auto k = static_cast<std::size_t>(i);
+          const double way = light[k] - static_cast<double>(ray.origin[i]) - t * static_cast<double>(ray.direction[i]);
+          squared += way * way;
+          projected += way * static_cast<double>(ray.direction[i]);
+        }
+        const double distance = std::sqrt(squared);
+        // Directions of travel: light comes from the lamp, the path goes on towards it.
+        return std::exp(-sigma * (t - inside[0] + distance)) * henyeyGreenstein(g, projected / distance) / squared;
+      };
+      return intensity * sigma * static_cast<double>(albedo[c]) * integrate(along, inside[0], inside[1], 40);
+    });
+  }
+
+  std::string medium(const std::string& sampling) const {
+    return sampling.empty()
+               ? R"(<medium type="homogeneous"><rgb name="sigma_t" value="0.5, 1, 1.5"/>
+                    <rgb name="albedo" value="0.9, 0.6, 0.3"/><float name="g" value="0.4"/></medium>)"
+               // The slope makes the shader one that varies; where it is seen it is next to nothing.
+               : fmt::format(
+                     R"(<medium type="ramp">{}<float name="at_zero" value="1"/><float name="slope" value="1e-7"/>
+                    <float name="most" value="1.7"/><rgb name="tint" value="0.5, 1, 1.5"/>
+                    <rgb name="albedo" value="0.9, 0.6, 0.3"/><float name="g" value="0.4"/></medium>)",
+                     sampling);
+  }
+  std::string content(const std::string& sampling) const {
+    return R"(<emitter type="point"><point name="position" x="0.1" y="0.6" z="-0.2"/><rgb name="intensity" value="5"/>
+        </emitter><volume type="sphere">)" +
+           medium(sampling) + "</volume>";
+  }
+};
+
+/// The camera looks below the lamp: next to it the estimate has no variance.
+const TestSensor lookingBelow{.target = "0, -0.2, 0", .fov = 9, .width = 12, .height = 12};
+
+class SingleScattering : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(SingleScattering, MeetsQuadrature) {
+  const PointInSphere expected;
+  const TestScene scene =
+      loadScene(R"(<integer name="max_depth" value="2"/>)", lookingBelow, expected.content(GetParam()));
+  EXPECT_TRUE(shows(scene, *scene.render(4096), expected));
+}
+
+TEST_P(SingleScattering, AFaultOfTwoPercentIsFound) {
+  PointInSphere expected;
+  const TestScene scene =
+      loadScene(R"(<integer name="max_depth" value="2"/>)", lookingBelow, expected.content(GetParam()));
+  const auto film = scene.render(4096);
+  expected.intensity *= 1.02;
+  EXPECT_FALSE(shows(scene, *film, expected));
+}
+
+std::string samplerName(const ::testing::TestParamInfo<const char*>& info) {
+  constexpr std::array names{"closedForm", "nullScattering", "marching"};
+  return names[info.index];
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SingleScattering,
+                         ::testing::Values("", R"(<string name="distance" value="null"/>)",
+                                           R"(<string name="distance" value="marching"/>
+                                              <float name="step_size" value="0.1"/>)"),
+                         samplerName);
+
+// White furnaces: where radiance is 1 from everywhere and nothing is lost, it is 1 everywhere.
+
+constexpr const char* furnace = R"(<emitter type="constant"><rgb name="radiance" value="1"/></emitter>)";
+
+std::string whiteMedium(const std::string& sigma, double g) {
+  return fmt::format(R"(<medium type="homogeneous"><rgb name="sigma_t" value="{}"/><rgb name="albedo" value="1"/>
+                        <float name="g" value="{}"/></medium>)",
+                     sigma, g);
+}
+
+Color one(const Ray<World>&) { return Color(1.0f); }
+
+class Furnace : public ::testing::TestWithParam<double> {};
+
+TEST_P(Furnace, SphereOfAWhiteMedium) {
+  const TestScene scene =
+      loadScene("", {}, std::string(furnace) + "<volume type=\"sphere\">" + whiteMedium("3", GetParam()) + "</volume>");
+  EXPECT_TRUE(shows(scene, *scene.render(512), one));
+}
+
+TEST_P(Furnace, ChromaticWhiteMediumOverAWhiteGround) {
+  const TestScene scene =
+      loadScene(R"(<integer name="rr_depth" value="100000"/>)", {.origin = "0, 2, -5"},
+                std::string(furnace) + "<volume type=\"sphere\">" + whiteMedium("1, 2, 3", GetParam()) + R"(</volume>
+      <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/><scale value="30"/>
+      <translate x="0" y="-1" z="0"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></shape>)");
+  EXPECT_TRUE(shows(scene, *scene.render(768), one));
+}
+
+TEST_P(Furnace, InteriorOfANullCube) {
+  const TestScene scene = loadScene("", {},
+                                    std::string(furnace) + R"(<shape type="cube"><bsdf type="null"/>
+      <medium type="homogeneous" name="interior"><rgb name="sigma_t" value="2"/><rgb name="albedo" value="1"/>)" +
+                                        fmt::format(R"(<float name="g" value="{}"/></medium></shape>)", GetParam()));
+  EXPECT_TRUE(shows(scene, *scene.render(512), one));
+}
+
+INSTANTIATE_TEST_SUITE_P(Anisotropies, Furnace, ::testing::Values(0.0, 0.9, -0.5),
+                         [](const auto& info) { return "number" + std::to_string(info.index); });
+
+TEST(ScriptedFurnace, BothSamplersKeepAllLight) {
+  for (const char* sampling : {R"(<string name="distance" value="null"/>)",
+                               R"(<string name="distance" value="marching"/><float name="step_size" value="0.2"/>)"}) {
+    const TestScene scene =
+        loadScene("", {}, std::string(furnace) + R"(<volume type="sphere"><medium type="fbm">)" + sampling + R"(
+        <float name="density" value="6"/><float name="threshold" value="-0.2"/><rgb name="albedo" value="1"/></medium></volume>)");
+    EXPECT_TRUE(shows(scene, *scene.render(512), one)) << sampling;
+  }
+}
+
+/// Optical radius 100: paths of up to some ten thousand collisions, no roulette.
+TEST(DenseFurnace, TenThousandBouncesLoseNothing) {
+  const TestScene scene =
+      loadScene(R"(<integer name="rr_depth" value="1000000"/>)", {.fov = 15, .width = 8, .height = 8},
+                std::string(furnace) + "<volume type=\"sphere\">" + whiteMedium("100", 0) + "</volume>");
+  auto film = scene.film();
+  const render::RenderReport report = scene.renderInto(*film, {.threads = 1, .endSample = 640});
+  EXPECT_TRUE(shows(scene, *film, one));
+  EXPECT_GT(report.statistics.pathVertices, 640u * 64 * 40) << "not dense";
+}
+
+/// Inside a diffuse sphere of reflectance r that shines with radiance 1, paths of up to n segments see the geometric
+/// series 1 + r + … + r^(n - 1); without a limit 1 / (1 - r).
+class DepthLimit : public ::testing::TestWithParam<int> {};
+
+std::string shiningSphere(double reflectance) {
+  return fmt::format(R"(<shape type="sphere"><boolean name="flip_normals" value="true"/><float name="radius" value="2"/>
+      <bsdf type="diffuse"><rgb name="reflectance" value="{}"/></bsdf>
+      <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>)",
+                     reflectance);
+}
+
+TEST_P(DepthLimit, CountsTheSegmentsOfAPath) {
+  const int depth = GetParam();
+  const TestScene scene = loadScene(fmt::format(R"(<integer name="max_depth" value="{}"/>)", depth),
+                                    {.origin = "0.3, 0.2, -1", .fov = 70}, shiningSphere(0.5));
+  const double expected = depth < 0 ? 2 : 2 * (1 - std::pow(0.5, depth));
+  EXPECT_TRUE(shows(scene, *scene.render(depth < 0 ? 1024 : 256),
+                    [&](const Ray<World>&) { return Color(static_cast<float>(expected)); }));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DepthLimit, ::testing::Values(-1, 0, 1, 2, 3, 7), [](const auto& info) {
+  return info.param < 0 ? "unlimited" : "depth" + std::to_string(info.param);
+});
+
+/// In a medium too: what is missing at depth n is the light that was scattered at least n times.
+TEST(DepthLimitInMedia, OneShowsEmittersThroughTheMediumAndNothingElse) {
+  const TestScene scene =
+      loadScene(R"(<integer name="max_depth" value="1"/>)", {},
+                std::string(furnace) + "<volume type=\"sphere\">" + whiteMedium("0.5", 0) + "</volume>");
+  EXPECT_TRUE(shows(scene, *scene.render(1024), [](const Ray<World>& ray) {
+    const std::array<double, 2> inside = throughSphere(ray, 1);
+    return Color(static_cast<float>(std::exp(-0.5 * (inside[1] - inside[0]))));
+  }));
+}
+
+TEST(HiddenEmitters, AreNotSeenButShine) {
+  const TestScene scene =
+      loadScene(R"(<integer name="max_depth" value="3"/><boolean name="hide_emitters" value="true"/>)",
+                {.origin = "0.3, 0.2, -1", .fov = 70}, shiningSphere(0.5));
+  EXPECT_TRUE(shows(scene, *scene.render(256), [&](const Ray<World>&) { return Color(0.75f); }));
+}
+
+/// The closed sphere filled with a medium: a furnace from inside, with absorption made up for by emission.
+TEST(ThermalEquilibrium, AbsorbersAtOneTemperatureAreInvisible) {
+  const TestScene scene = loadScene("", {.origin = "0.3, 0.2, -1", .fov = 70}, R"(
+      <shape type="sphere"><boolean name="flip_normals" value="true"/><float name="radius" value="2"/>
+      <bsdf type="diffuse"><rgb name="reflectance" value="0.4"/></bsdf>
+      <emitter type="area"><rgb name="radiance" value="0.6"/></emitter></shape>
+      <volume type="sphere"><medium type="homogeneous"><rgb name="sigma_t" value="2"/><rgb name="albedo" value="0.7"/>
+      <rgb name="emission" value="0.6"/></medium></volume>)");
+  EXPECT_TRUE(shows(scene, *scene.render(1024), one));
+}
+
+}  // namespace
+}  // namespace aerosol::test
