@@ -33,9 +33,10 @@ class SegmentList {
   std::span<const Segment> segments() const { return segments_; }
 
  private:
-  std::vector<float> boundaries_;
+  std::vector<std::uint32_t> starts_, ends_;  ///< Indices of spans, by t0 and by t1.
+  std::vector<std::uint32_t> active_;         ///< Those around the current place, ascending.
   std::vector<const Medium*> media_;
-  std::vector<std::uint32_t> ends_;
+  std::vector<std::uint32_t> mediaEnds_;  ///< By segment.
   std::vector<Segment> segments_;
 };
 

@@ -89,11 +89,12 @@ Task<bool> scatterOnSurface(PathContext& path, PathState& state, Radiance& radia
   co_return true;
 }
 
-/// Russian roulette on the throughput. False when the path ends.
+/// Russian roulette on the throughput. False when the path ends. Survival stays close to 1 where nothing is lost: in a
+/// cloud of albedo 1 each chance to end would raise the weight of the survivors, bounce after bounce.
 bool survivesRoulette(PathContext& path, PathState& state) {
   if (isBlack(state.throughput)) return false;
   if (state.length <= path.scene().path.rrDepth) return true;
-  const float survival = std::min(maximum(abs(state.throughput)), 0.95f);
+  const float survival = std::min(maximum(abs(state.throughput)), 0.999f);
   if (!(path.random().nextHash() < survival)) return false;
   state.throughput = state.throughput / survival;
   return true;

@@ -57,7 +57,7 @@ TEST(HomogeneousSlab, EmissionAndAbsorption) {
       </medium>)"));
   const auto film = scene.render(1024);
   EXPECT_TRUE(shows(scene, *film, [](const Ray<World>& ray) {
-    const Color sigma(0.2f, 1, 3), transmittance = exp(sigma * static_cast<float>(-slabLength(ray)));
+    const Color sigma(0.2f, 1, 1.5f), transmittance = exp(sigma * static_cast<float>(-slabLength(ray)));
     const Color emitted = (Color(1.0f) - transmittance) * Color(0.5f / 0.2f, 1, 2 / 1.5f);
     return sky * transmittance + emitted;
   }));

@@ -22,6 +22,9 @@ using volume::DistanceSample;
 using volume::Medium;
 
 inline constexpr std::array<int, 3> channels{0, 1, 2};
+inline constexpr int bins = 10;  ///< Parts of a segment in histograms.
+
+using DistanceSampler = std::function<DistanceSample()>;
 
 /// One medium along the ray: coefficients as a function of the distance.
 struct Profile {

@@ -99,6 +99,8 @@ std::string TestSensor::xml() const {
       R"(<sensor type="perspective">
         <transform name="to_world"><lookat origin="{}" target="{}" up="0, 1, 0"/></transform>
         <float name="fov" value="{}"/>
+        <float name="near_clip" value="{}"/>
+        <float name="far_clip" value="{}"/>
         <film type="hdrfilm">
           <integer name="width" value="{}"/>
           <integer name="height" value="{}"/>
@@ -107,7 +109,7 @@ std::string TestSensor::xml() const {
         <sampler type="{}"><integer name="seed" value="{}"/></sampler>
         {}
       </sensor>)",
-      origin, target, fov, width, height, sampler, seed, medium);
+      origin, target, fov, nearClip, farClip, width, height, sampler, seed, medium);
 }
 
 std::string sceneXml(const std::string& integrator, const TestSensor& sensor, const std::string& content) {

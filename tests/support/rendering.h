@@ -55,6 +55,7 @@ struct TestSensor {
   std::string sampler = "independent";
   int seed = 0;
   std::string medium;  ///< An element inside the sensor, or empty.
+  double nearClip = 0.01, farClip = 10000;
 
   std::string xml() const;
 };
