@@ -19,7 +19,7 @@ cmake/install_packages.sh
 # A run must find its errors by itself, and never wait for a terminal.
 export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1
 export UBSAN_OPTIONS=print_stacktrace=1
-export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$root/tests/sanitizers/thread.supp
 export NINJA_STATUS='[%f/%t %es] '
 
 # What took longest among the single cases of all binaries of one build.
