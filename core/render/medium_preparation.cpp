@@ -99,10 +99,6 @@ Diagnostics decideSampling(const PreparedScene& scene, volume::Medium& medium, c
         {"give the medium or volume a float 'density_bound', or the shader the metadata "
          "[[ string extinction_bound = \"PARAMETER\" ]], or choose distance 'marching'"});
   }
-  // A tight bound looks at thin emission too rarely.
-  const auto& sites = family.program->closureSites;
-  medium.relaxesBound =
-      std::any_of(sites.begin(), sites.end(), [](const lang::ClosureSite& site) { return site.closure == "emission"; });
   const bool marches = wanted == scene::DistanceSampling::marching || !medium.bound;
   medium.method = marches ? DistanceMethod::marching : DistanceMethod::nullScattering;
   return errors;
