@@ -74,6 +74,12 @@ class NumberDomain {
   /// The value where the mask surely holds, the old one where it does not, and either where it may.
   virtual Number blend(const Mask& mask, const Number& value, const Number& old) = 0;
 
+  /// The number, of which `known()` is known as well: both hold. Exact domains need no such knowledge.
+  virtual Number narrowed(const Number& number, llvm::function_ref<Number()> known) {
+    static_cast<void>(known);
+    return number;
+  }
+
   /// Lanes of an int outside [0, length).
   virtual llvm::Value* outside(const Number& index, unsigned length) = 0;
   virtual Number clampIndex(const Number& index, unsigned length) = 0;

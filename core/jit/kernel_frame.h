@@ -33,7 +33,8 @@ class KernelFrame {
   llvm::Value* base() const { return base_; }
   llvm::Value* loopBudget();
 
-  /// A component of a global, by its number among the pointers of a wide kernel.
+  /// A component of a global, by its number among the pointers of a wide kernel. Range kernels: also, after the
+  /// globals, those of P in object space.
   Number global(unsigned component);
   /// A parameter in the instance block.
   Value field(const InstanceField& field);

@@ -1,6 +1,7 @@
 // What a host must know of a kernel to call it and to read what it leaves. It travels with the code in the cache.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -92,6 +93,10 @@ struct KernelInterface {
 int globalPointer(lang::Global global);
 int globalComponents(lang::Global global);
 inline constexpr int globalPointerCount = 28;
+/// Range kernels take two pointers a component, low then high, and after those of the globals three more components: P
+/// in the instance's object space, exactly as the kernel's own transform of P rounds it. Callers that know nothing give
+/// all floats.
+inline constexpr std::size_t rangeInputCount = 2 * (globalPointerCount + 3);
 
 /// As bytes, for the cache. `deserialise` gives nothing when the bytes are not a whole interface.
 std::string serialise(const KernelInterface& interface);

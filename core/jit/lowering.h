@@ -2,6 +2,7 @@
 #pragma once
 
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "core/jit/cost.h"
@@ -114,6 +115,7 @@ class Lowering {
   void copyElements(const ArrayMemory& to, const ArrayMemory& from, const Mask* blend);
 
   // lowering_calls.cpp
+  bool isObjectPoint(const lang::Instruction& instruction) const;
   void emitCall(const lang::Instruction& instruction);
   Value callFunction(const std::string& symbol, llvm::ArrayRef<Value> arguments, llvm::ArrayRef<Kind> result);
   void emitFunctionCall(const std::string& symbol, bool varying, llvm::ArrayRef<llvm::Value*> pointers);
@@ -157,6 +159,7 @@ class Lowering {
   llvm::AllocaInst* must_ = nullptr;  ///< Null where `must` is `may`.
   std::vector<Target> targets_;
   std::unordered_map<const lang::Instruction*, Exits> exits_;
+  std::unordered_set<lang::VariableId> objectMatrices_;  ///< Temporaries that hold the map from world to object space.
   llvm::Function* recordFunction_ = nullptr;
 };
 

@@ -48,6 +48,16 @@ Value Lowering::callFunction(const std::string& symbol, llvm::ArrayRef<Value> ar
   return loadValue(pointers[0], result, varies);
 }
 
+/// Is it P in the instance's object space? Ranges of that are known better than from P alone: a box of the object is
+/// not a box of the world.
+bool Lowering::isObjectPoint(const Instruction& instruction) const {
+  if (program_.functions[instruction.function].symbol != "transformp_v_mv") return false;
+  const lang::VariableId point = instruction.arguments[1];
+  const lang::Variable& variable = program_.variables[point];
+  return objectMatrices_.contains(instruction.arguments[0]) && variable.storage == lang::Storage::global &&
+         variable.global == lang::Global::P && uniformity_.writeCount(point) == 0;
+}
+
 void Lowering::emitCall(const Instruction& instruction) {
   const lang::FunctionUse& function = program_.functions[instruction.function];
   if (function.symbol == "getmatrix_i_ssm") return emitMatrixOfSpaces(instruction);
@@ -81,7 +91,16 @@ void Lowering::emitCall(const Instruction& instruction) {
                                                     : argumentMemory(values[i], varies));
   }
   emitFunctionCall(function.symbol, varies, pointers);
-  if (hasResult) write(instruction, instruction.result, loadValue(pointers[0], resultKinds, varies));
+  if (hasResult) {
+    Value result = loadValue(pointers[0], resultKinds, varies);
+    if (varies && isObjectPoint(instruction)) {
+      for (unsigned i = 0; i < result.size(); ++i) {
+        const auto component = static_cast<unsigned>(globalPointerCount) + i;
+        result[i] = domain_.narrowed(result[i], [&] { return frame_.global(component); });
+      }
+    }
+    write(instruction, instruction.result, result);
+  }
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!lang::writesArgument(program_, instruction, i)) continue;
     const lang::VariableId argument = instruction.arguments[i];

@@ -120,6 +120,11 @@ void Lowering::emitMatrixOfSpaces(const Instruction& instruction) {
   } else {
     matrix = multiplyMatrices(from.matrix, to.matrix);
   }
+  const auto nameOf = [&](std::size_t i) { return constantName(program_, instruction.arguments[i]); };
+  const bool isTemporary = program_.variables[target].storage == lang::Storage::temporary;
+  const std::optional<std::string> toName = nameOf(1);
+  if (isTemporary && from.matrix.empty() && toName && findSpace(*toName) == Space::object)
+    objectMatrices_.insert(target);
   const Number known = binary(Op::logicalAnd, from.known, to.known);
   if (program_.variables[target].storage != lang::Storage::temporary) {
     const Value old = variables_.read(target);

@@ -137,6 +137,10 @@ class RangeDomain final : public NumberDomain {
     return call(value.kind, value.kind == Kind::floating ? "assign_kkff" : "assign_kkii", {must, may, value, old});
   }
 
+  Number narrowed(const Number& number, llvm::function_ref<Number()> known) override {
+    return call(Kind::floating, "meet_ff", {number, known()});
+  }
+
   llvm::Value* outside(const Number& index, unsigned length) override {
     llvm::Value* const below = e_.ir.CreateICmpSLT(index.parts[0], e_.zero(index.parts[0]->getType()));
     return e_.ir.CreateOr(below, e_.ir.CreateICmpSGE(index.parts[1], e_.splat(e_.ir.getInt32(length))));

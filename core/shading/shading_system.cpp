@@ -67,7 +67,9 @@ std::vector<lang::Output> outputsOf(const lang::Program& program, Variant varian
   std::size_t lobes = 0;
   bool emits = false;
   for (const lang::Output& output : program.outputs) lobes += output.kind == OutputKind::lobeAnisotropy;
-  for (const lang::ClosureSite& site : program.closureSites) emits = emits || site.closure == "emission";
+  for (const lang::ClosureSite& site : program.closureSites) {
+    emits = emits || site.closure == "emission" || site.closure == "uniform_edf";
+  }
   std::vector<lang::Output> chosen;
   for (const lang::Output& output : program.outputs) {
     bool wanted = false;
@@ -138,6 +140,31 @@ void writeInstanceData(Family& family, const jit::KernelInterface& interface) {
   }
 }
 
+jit::KernelRequest requestFor(const Family& family, Variant variant, const ShadingOptions& options) {
+  jit::KernelRequest request;
+  request.program = family.program;
+  request.outputs = outputsOf(*request.program, variant);
+  request.folded = foldedParameters(family);
+  request.severalInstances = family.instances.size() > 1;
+  request.counters = options.counters;
+  request.messages = variant != Variant::extinction;
+  request.target = options.target;
+  return request;
+}
+
+/// Calls `run(i)` for all i < count on all processors.
+template <class Run>
+void inParallel(std::size_t count, const Run& run) {
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) run(i);
+  };
+  std::vector<std::jthread> threads;
+  const std::size_t workers = std::min<std::size_t>(count, std::max(1u, std::thread::hardware_concurrency()));
+  for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(work);
+  work();
+}
+
 }  // namespace
 
 Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions& options) {
@@ -155,32 +182,15 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
       jobs.push_back({&family, Variant::surface, {}});
     }
   }
-  const auto run = [&](Job& job) {
-    jit::KernelRequest request;
-    request.program = job.family->program;
-    request.outputs = outputsOf(*request.program, job.variant);
-    request.folded = foldedParameters(*job.family);
-    request.severalInstances = job.family->instances.size() > 1;
-    request.counters = options.counters;
-    request.messages = job.variant != Variant::extinction;
-    request.target = options.target;
-    auto kernel = compiler.compile(request);
-    if (!kernel) {
+  inParallel(jobs.size(), [&](std::size_t i) {
+    Job& job = jobs[i];
+    auto kernel = compiler.compile(requestFor(*job.family, job.variant, options));
+    if (kernel) {
+      job.family->kernels[static_cast<std::size_t>(job.variant)] = std::move(*kernel);
+    } else {
       job.errors = kernel.errors();
-      return;
     }
-    job.family->kernels[static_cast<std::size_t>(job.variant)] = std::move(*kernel);
-  };
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < jobs.size(); i = next++) run(jobs[i]);
-  };
-  {
-    std::vector<std::jthread> threads;
-    const std::size_t count = std::min<std::size_t>(jobs.size(), std::max(1u, std::thread::hardware_concurrency()));
-    for (std::size_t i = 1; i < count; ++i) threads.emplace_back(work);
-    work();
-  }
+  });
   Diagnostics errors;
   for (Job& job : jobs) {
     if (job.variant == Variant::extinction && errors.hasErrors()) continue;  // The full variant said it already.
@@ -192,6 +202,29 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
     writeInstanceData(family, family.kernel(any).interface());
   }
   return errors;
+}
+
+Diagnostics ShadingSystem::compileBounds(jit::Compiler& compiler, const ShadingOptions& options) {
+  std::vector<Family*> families;
+  for (Family& family : families_) {
+    const auto& kernel = family.kernels[static_cast<std::size_t>(Variant::coefficients)];
+    if (kernel && !kernel->interface().isConstant()) families.push_back(&family);
+  }
+  std::vector<Diagnostics> errors(families.size());
+  inParallel(families.size(), [&](std::size_t i) {
+    jit::KernelRequest request = requestFor(*families[i], Variant::coefficients, options);
+    request.domain = jit::Domain::range;
+    request.messages = false;
+    auto kernel = compiler.compile(request);
+    if (kernel) {
+      families[i]->bounds = std::move(*kernel);
+    } else {
+      errors[i] = kernel.errors();
+    }
+  });
+  Diagnostics all;
+  for (const Diagnostics& each : errors) all.append(each);
+  return all;
 }
 
 }  // namespace aerosol::shading

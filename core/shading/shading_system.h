@@ -49,6 +49,7 @@ struct Family {
   std::shared_ptr<const lang::Program> program;
   std::vector<Instance> instances;
   std::array<std::optional<jit::Kernel>, variantCount> kernels;
+  std::optional<jit::Kernel> bounds;  ///< Volumes: all results over ranges (core/shading/bounds.h).
   std::vector<unsigned char>
       instanceData;  ///< Blocks of all instances, shared by the variants. 64-byte aligned use is not assumed.
   std::vector<std::pair<std::uint64_t, std::string>> strings;  ///< Of string parameters read from blocks.
@@ -68,6 +69,9 @@ class ShadingSystem {
 
   /// Compiles all variants of all families, in parallel. Errors carry positions in the sources.
   Diagnostics compile(jit::Compiler& compiler, const ShadingOptions& options);
+
+  /// Compiles the bounds kernels of all families of volumes whose results vary, in parallel, after `compile`.
+  Diagnostics compileBounds(jit::Compiler& compiler, const ShadingOptions& options);
 
   const std::vector<Family>& families() const { return families_; }
   const Family& family(InstanceRef instance) const { return families_[instance.family]; }

@@ -124,6 +124,15 @@ AEROSOL_INLINE IntRange<I> join(const IntRange<I>& a, const IntRange<I>& b) {
   return {min(a.lo, b.lo), max(a.hi, b.hi)};
 }
 
+/// What both hold of one quantity. (The first where they contradict each other: nothing is there to be bounded.)
+template <FloatLanes F>
+AEROSOL_INLINE Range<F> meet(const Range<F>& a, const Range<F>& b) {
+  const F lo = max(a.lo, b.lo);
+  const F hi = min(a.hi, b.hi);
+  const auto overlap = lessEqual(lo, hi);
+  return {select(overlap, lo, a.lo), select(overlap, hi, a.hi), a.nan};
+}
+
 /// By plain mask.
 template <IntLanes I, FloatLanes F>
 AEROSOL_INLINE Range<F> select(I mask, const Range<F>& a, const Range<F>& b) {

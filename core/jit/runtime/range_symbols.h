@@ -23,6 +23,7 @@
  *                                                  false, both joined where undecided
  *   r_select_kff r_select_kii                      by a mask: a where set, else b. This is assignment under a mask
  *   r_join_ff r_join_ii                            hull of both
+ *   r_meet_ff                                      what both hold; the first where they have nothing in common
  *   r_assign_kkff r_assign_kkii   (result*, must*, may*, new*, old*): assignment under control flow: `must` lanes
  * surely run it: new; lanes in `may` only: hull of new and old; the others: old r_toFloat_i (range float*, range int*)
  * r_toInt_f (range int*, range float*)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -214,6 +215,12 @@ std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& box
       arrays.push_back(padded(*values, boxes.count));
       globals.push_back(static_cast<const float*>(arrays.back().get()));
     }
+  }
+  while (globals.size() < rangeInputCount) {
+    // Nothing is known of P in object space.
+    const float end = globals.size() % 2 == 0 ? -INFINITY : INFINITY;
+    arrays.push_back(padded(std::vector<float>(boxes.count, end), boxes.count));
+    globals.push_back(static_cast<const float*>(arrays.back().get()));
   }
   std::vector<void*> outputs;
   for (std::size_t i = 0; i < interface.outputs.size(); ++i) {
