@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
+#include <optional>
 
 #include "core/base/hash.h"
 #include "core/jit/lowering.h"
@@ -122,8 +124,8 @@ lang::Uniformity::Inputs uniformityInputs(const Program& program, const KernelIn
 class OutputWriter {
  public:
   OutputWriter(Emitter& emitter, NumberDomain& domain, KernelFrame& frame, Variables& variables,
-               KernelInterface& interface)
-      : e_(emitter), domain_(domain), frame_(frame), variables_(variables), interface_(interface) {}
+               KernelInterface& interface, llvm::Value* lanes)
+      : e_(emitter), domain_(domain), frame_(frame), variables_(variables), interface_(interface), lanes_(lanes) {}
 
   void write(const lang::Output& asked, VariableId variable) {
     if (!variables_.isArray(variable)) {
@@ -151,7 +153,7 @@ class OutputWriter {
                                                        : lang::BaseType::string;
       const bool isPlain = parts == 1 || number.kind == Kind::string;
       const OutputPart what = isPlain ? stringParts[part] : rangeParts[part];
-      frame_.storeOutput(static_cast<unsigned>(interface_.outputs.size()), lanes.parts[part]);
+      frame_.storeOutput(static_cast<unsigned>(interface_.outputs.size()), lanes.parts[part], lanes_);
       interface_.outputs.push_back({asked.kind, asked.index, asked.subIndex, component, type, what});
     }
   }
@@ -161,6 +163,90 @@ class OutputWriter {
   KernelFrame& frame_;
   Variables& variables_;
   KernelInterface& interface_;
+  llvm::Value* lanes_;
+};
+
+/// Emits a kernel's loops over its points.
+class KernelLoops {
+ public:
+  KernelLoops(Emitter& emitter, NumberDomain& domain, const Program& program, const lang::Uniformity& uniformity,
+              const KernelRequest& request, KernelInterface& interface)
+      : e_(emitter),
+        domain_(domain),
+        program_(program),
+        uniformity_(uniformity),
+        request_(request),
+        interface_(interface),
+        options_{request.counters, request.messages && request.domain == Domain::wide, {}},
+        entryEnd_(beginEntry(emitter)) {}
+
+  void emitPlain() {
+    KernelFrame frame = makeFrame(interface_);
+    emitLoop(frame, {e_.ir.getInt32(0), frame.count()}, interface_, options_);
+    e_.ir.CreateRetVoid();
+  }
+
+  /// Blocks of points, each in two loops: the first settles the points that do not come to the dear part and lists the
+  /// others, the second runs those of the list.
+  void emitPacked(const DearPart& dearPart) {
+    llvm::Type* const word = e_.ir.getInt32Ty();
+    llvm::AllocaInst* const list = e_.slot(llvm::ArrayType::get(word, blockPoints), "list", 64);
+    llvm::AllocaInst* const listed = e_.slot(word, "listed");
+    KernelInterface unused = interface_;
+    KernelFrame first = makeFrame(unused);
+    KernelFrame second = makeFrame(interface_);
+    llvm::BasicBlock* const before = e_.ir.GetInsertBlock();
+    llvm::BasicBlock* const block = e_.block("block");
+    llvm::BasicBlock* const exit = e_.block("blocks.end");
+    llvm::Value* const count = first.count();
+    e_.ir.CreateCondBr(e_.ir.CreateICmpSGT(count, e_.ir.getInt32(0)), block, exit);
+
+    e_.ir.SetInsertPoint(block);
+    llvm::PHINode* const begin = e_.ir.CreatePHI(word, 2, "block.begin");
+    begin->addIncoming(e_.ir.getInt32(0), before);
+    llvm::Value* const size =
+        e_.ir.CreateBinaryIntrinsic(llvm::Intrinsic::umin, e_.ir.CreateSub(count, begin), e_.ir.getInt32(blockPoints));
+    llvm::Value* const end = e_.ir.CreateAdd(begin, size);
+    e_.ir.CreateStore(e_.ir.getInt32(0), listed);
+    LoweringOptions settling = options_;
+    settling.leftOut = dearPart;
+    settling.reports = false;
+    emitLoop(first, {begin, end}, unused, settling, [&](llvm::Value* stopped) { first.append(stopped, list, listed); });
+    emitLoop(second, {e_.ir.getInt32(0), e_.ir.CreateLoad(word, listed), list}, interface_, options_);
+    begin->addIncoming(end, e_.ir.GetInsertBlock());
+    e_.ir.CreateCondBr(e_.ir.CreateICmpSLT(end, count), block, exit);
+    e_.ir.SetInsertPoint(exit);
+    e_.ir.CreateRetVoid();
+  }
+
+ private:
+  static constexpr unsigned blockPoints = 1024;
+
+  KernelFrame makeFrame(const KernelInterface& interface) {
+    return {e_, domain_, interface, request_.severalInstances, entryEnd_};
+  }
+
+  void emitLoop(KernelFrame& frame, const PointRange& points, KernelInterface& interface,
+                const LoweringOptions& options, const std::function<void(llvm::Value*)>& handleStopped = {}) {
+    frame.begin(points);
+    Variables variables(e_, domain_, frame, interface, program_, uniformity_);
+    Lowering lowering(e_, domain_, frame, variables, program_, uniformity_, interface, options);
+    lowering.run();
+    llvm::Value* const stopped = lowering.stopped();
+    OutputWriter writer(e_, domain_, frame, variables, interface, e_.without(frame.active().may, stopped));
+    for (const lang::Output& output : program_.outputs) writer.write(output, output.variable);
+    if (handleStopped) handleStopped(stopped);
+    frame.end();
+  }
+
+  Emitter& e_;
+  NumberDomain& domain_;
+  const Program& program_;
+  const lang::Uniformity& uniformity_;
+  const KernelRequest& request_;
+  KernelInterface& interface_;
+  LoweringOptions options_;
+  llvm::Instruction* entryEnd_;
 };
 
 }  // namespace
@@ -186,15 +272,10 @@ Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& r
   Emitter emitter(*declareKernel(module), request.target);
   const std::unique_ptr<NumberDomain> domain =
       request.domain == Domain::range ? makeRangeDomain(emitter) : makeWideDomain(emitter);
-  KernelFrame frame(emitter, *domain, interface, request.severalInstances);
-  frame.begin();
-  Variables variables(emitter, *domain, frame, interface, program, uniformity);
-  const LoweringOptions options{request.counters, request.messages && request.domain == Domain::wide};
-  Lowering(emitter, *domain, frame, variables, program, uniformity, interface, options).run();
-  OutputWriter writer(emitter, *domain, frame, variables, interface);
-  for (std::size_t i = 0; i < request.outputs.size(); ++i)
-    writer.write(request.outputs[i], program.outputs[i].variable);
-  frame.end();
+  KernelLoops loops(emitter, *domain, program, uniformity, request, interface);
+  const bool mayPack = request.domain == Domain::wide && request.target.width > 1;
+  const std::optional<DearPart> dearPart = mayPack ? findDearPart(program, uniformity) : std::nullopt;
+  dearPart ? loops.emitPacked(*dearPart) : loops.emitPlain();
   return interface;
 }
 

@@ -41,9 +41,27 @@ llvm::Function* declareKernel(llvm::Module& module) {
   return function;
 }
 
+llvm::Instruction* beginEntry(Emitter& emitter) {
+  emitter.ir.SetInsertPoint(emitter.block("entry"));
+  llvm::BasicBlock* const start = emitter.block("start");
+  llvm::Instruction* const end = emitter.ir.CreateBr(start);
+  emitter.ir.SetInsertPoint(start);
+  return end;
+}
+
 KernelFrame::KernelFrame(Emitter& emitter, NumberDomain& domain, const KernelInterface& interface,
-                         bool severalInstances)
-    : e_(emitter), domain_(domain), interface_(interface), severalInstances_(severalInstances) {}
+                         bool severalInstances, llvm::Instruction* entryEnd)
+    : e_(emitter),
+      domain_(domain),
+      interface_(interface),
+      severalInstances_(severalInstances),
+      entryEnd_(entryEnd),
+      arguments_(emitter.function().getArg(0)) {
+  atEntry([&] {
+    count_ = argument(offsetof(AerosolKernelArguments, count), e_.ir.getInt32Ty());
+    context_ = argument(offsetof(AerosolKernelArguments, context), e_.ir.getPtrTy());
+  });
+}
 
 llvm::Value* KernelFrame::argument(unsigned offset, llvm::Type* type) {
   llvm::LoadInst* const load = e_.ir.CreateLoad(type, e_.pointerAt(arguments_, offset));
@@ -51,23 +69,20 @@ llvm::Value* KernelFrame::argument(unsigned offset, llvm::Type* type) {
   return load;
 }
 
-void KernelFrame::begin() {
-  arguments_ = e_.function().getArg(0);
-  llvm::BasicBlock* const entry = e_.block("entry");
+void KernelFrame::begin(const PointRange& points) {
+  llvm::BasicBlock* const before = e_.ir.GetInsertBlock();
   chunk_ = e_.block("chunk");
   llvm::BasicBlock* const chunkStart = e_.block("chunk.start");
   latch_ = llvm::BasicBlock::Create(e_.context(), "chunk.next");
   exit_ = llvm::BasicBlock::Create(e_.context(), "exit");
-
-  e_.ir.SetInsertPoint(entry);
-  count_ = argument(offsetof(AerosolKernelArguments, count), e_.ir.getInt32Ty());
-  context_ = argument(offsetof(AerosolKernelArguments, context), e_.ir.getPtrTy());
-  entryEnd_ = e_.ir.CreateCondBr(e_.ir.CreateICmpSGT(count_, e_.ir.getInt32(0)), chunk_, exit_);
+  last_ = points.end;
+  list_ = points.list;
+  e_.ir.CreateCondBr(e_.ir.CreateICmpSLT(points.first, points.end), chunk_, exit_);
 
   e_.ir.SetInsertPoint(chunk_);
   base_ = e_.ir.CreatePHI(e_.ir.getInt32Ty(), 2, "base");
-  base_->addIncoming(e_.ir.getInt32(0), entry);
-  llvm::Value* const lanes = activeLanes(count_);
+  base_->addIncoming(points.first, before);
+  llvm::Value* const lanes = activeLanes(points);
   active_ = {lanes, lanes};
   e_.ir.CreateCondBr(e_.any(lanes), chunkStart, latch_);
 
@@ -77,10 +92,18 @@ void KernelFrame::begin() {
   e_.ir.SetInsertPoint(body);
 }
 
-/// Points of the chunk below the count whose flag is set. Without flags all read one constant.
-llvm::Value* KernelFrame::activeLanes(llvm::Value* count) {
-  auto* const indices = e_.ir.CreateAdd(e_.splat(static_cast<llvm::Value*>(base_)), e_.laneNumbers());
-  llvm::Value* const inside = e_.ir.CreateICmpULT(indices, e_.splat(count));
+/// Points of the chunk before the end whose flag is set (all points on a list are active). Without flags all read one
+/// constant.
+llvm::Value* KernelFrame::activeLanes(const PointRange& points) {
+  auto* const places = e_.ir.CreateAdd(e_.splat(static_cast<llvm::Value*>(base_)), e_.laneNumbers());
+  llvm::Value* const inside = e_.ir.CreateICmpULT(places, e_.splat(points.end));
+  if (list_) {
+    llvm::Value* const offset = e_.ir.CreateShl(e_.ir.CreateZExt(base_, e_.ir.getInt64Ty()), 2);
+    llvm::Value* const listed = e_.loadAt(e_.laneType(Kind::integer), list_, offset, e_.laneBytes(Kind::integer));
+    indices_ = e_.ir.CreateSelect(inside, listed, e_.zero(listed->getType()));
+    return inside;
+  }
+  indices_ = places;
   const auto [flags, mask] = atEntry([&] {
     auto* const ones =
         llvm::Constant::getAllOnesValue(llvm::FixedVectorType::get(e_.ir.getInt32Ty(), AEROSOL_MAXIMUM_WIDTH));
@@ -105,12 +128,19 @@ void KernelFrame::end() {
   llvm::Value* const next = e_.ir.CreateNUWAdd(base_, e_.ir.getInt32(e_.width()));
   base_->addIncoming(next, latch_);
   llvm::BasicBlock* const finish = llvm::BasicBlock::Create(e_.context(), "finish", &e_.function(), exit_);
-  e_.ir.CreateCondBr(e_.ir.CreateICmpULT(next, count_), chunk_, finish);
+  e_.ir.CreateCondBr(e_.ir.CreateICmpULT(next, last_), chunk_, finish);
   e_.ir.SetInsertPoint(finish);
   flushCounters();
   e_.ir.CreateBr(exit_);
   e_.ir.SetInsertPoint(exit_);
-  e_.ir.CreateRetVoid();
+}
+
+void KernelFrame::append(llvm::Value* lanes, llvm::Value* array, llvm::AllocaInst* place) {
+  llvm::Value* const old = e_.ir.CreateLoad(e_.ir.getInt32Ty(), place);
+  llvm::Value* const address = e_.ir.CreateInBoundsGEP(e_.ir.getInt32Ty(), array, old);
+  e_.ir.CreateMaskedCompressStore(indices_, address, lanes);
+  llvm::Value* const added = e_.ir.CreateUnaryIntrinsic(llvm::Intrinsic::ctpop, e_.bits(lanes));
+  e_.ir.CreateStore(e_.ir.CreateAdd(old, added), place);
 }
 
 llvm::Value* KernelFrame::loopBudget() {
@@ -122,8 +152,18 @@ llvm::Value* KernelFrame::loopBudget() {
   return loopBudget_;
 }
 
+/// Of each lane's element in an array of points.
+llvm::Value* KernelFrame::pointAddresses(llvm::Value* pointer, unsigned bytes) {
+  llvm::Value* const indices = e_.ir.CreateZExt(indices_, e_.laneType(e_.ir.getInt64Ty()));
+  return e_.ir.CreateInBoundsGEP(e_.ir.getIntNTy(bytes * 8), pointer, indices);
+}
+
 /// The chunk's lanes of an array of points.
 llvm::Value* KernelFrame::lanesAt(llvm::Value* pointer, llvm::Type* type, unsigned bytes) {
+  if (list_) {
+    return e_.ir.CreateMaskedGather(type, pointAddresses(pointer, bytes), llvm::Align(bytes), active_.may,
+                                    e_.zero(type));
+  }
   llvm::Value* const offset = e_.ir.CreateMul(e_.ir.CreateZExt(base_, e_.ir.getInt64Ty()), e_.ir.getInt64(bytes));
   return e_.loadAt(type, pointer, offset, bytes * e_.width());
 }
@@ -260,19 +300,23 @@ ArrayMemory KernelFrame::arrayField(const InstanceField& field, llvm::ArrayRef<K
   return {memory, element, length, true};
 }
 
-void KernelFrame::storeOutput(unsigned index, llvm::Value* lanes) {
+void KernelFrame::storeOutput(unsigned index, llvm::Value* lanes, llvm::Value* mask) {
   if (!outputs_) {
     outputs_ = atEntry([&] { return argument(offsetof(AerosolKernelArguments, outputs), e_.ir.getPtrTy()); });
   }
   llvm::Value* const pointer =
       atEntry([&] { return e_.ir.CreateLoad(e_.ir.getPtrTy(), e_.pointerAt(outputs_, sizeof(void*) * index)); });
   const unsigned bytes = lanes->getType()->getScalarSizeInBits() / 8;
+  if (list_) {
+    e_.ir.CreateMaskedScatter(lanes, pointAddresses(pointer, bytes), llvm::Align(bytes), mask);
+    return;
+  }
   llvm::Value* const offset = e_.ir.CreateMul(e_.ir.CreateZExt(base_, e_.ir.getInt64Ty()), e_.ir.getInt64(bytes));
   llvm::Value* const address = e_.ir.CreateInBoundsGEP(e_.ir.getInt8Ty(), pointer, offset);
   if (e_.width() == 1) {
     e_.ir.CreateAlignedStore(lanes, address, llvm::Align(bytes));
   } else {
-    e_.ir.CreateMaskedStore(lanes, address, llvm::Align(bytes * e_.width()), active_.may);
+    e_.ir.CreateMaskedStore(lanes, address, llvm::Align(bytes * e_.width()), mask);
   }
 }
 
@@ -302,6 +346,7 @@ void KernelFrame::flushCounters() {
     llvm::Value* const sum =
         e_.ir.CreateAdd(e_.ir.CreateLoad(e_.ir.getInt64Ty(), address), e_.ir.CreateLoad(e_.ir.getInt64Ty(), counter));
     e_.ir.CreateStore(sum, address);
+    e_.ir.CreateStore(e_.ir.getInt64(0), counter);
   };
   flush(lanesRun_, offsetof(AerosolKernelCounters, lanesRun));
   flush(lanesUsed_, offsetof(AerosolKernelCounters, lanesUsed));

@@ -16,21 +16,41 @@ llvm::SmallVector<Kind, 4> kindsOf(const lang::Type& type);
 /// Function `void kernel(const AerosolKernelArguments*)`, declared in the module.
 llvm::Function* declareKernel(llvm::Module& module);
 
-/// Emits the frame around the code of a program. Between `begin` and `end` the emitter stands in the loop's body. What
-/// comes in is loaded where it is asked for first, but placed at the beginning: of the kernel, when it is uniform, or
-/// of the chunk.
+/// Begins the kernel's entry, where what stays the same for all points is loaded. Gives the entry's end; the emitter
+/// stands in the block behind it.
+llvm::Instruction* beginEntry(Emitter& emitter);
+
+/// The points that a loop over chunks goes through: those from `first` to before `end`, or, with a list, those whose
+/// indices the list holds at these places.
+struct PointRange {
+  llvm::Value* first = nullptr;
+  llvm::Value* end = nullptr;
+  llvm::Value* list = nullptr;  ///< Array of i32, aligned and padded to chunks.
+};
+
+/// Emits the frame around the code of a program: a loop over chunks of points. Between `begin` and `end` the emitter
+/// stands in the loop's body. What comes in is loaded where it is asked for first, but placed at the beginning: of the
+/// kernel, when it is uniform, or of the chunk.
 class KernelFrame {
  public:
-  KernelFrame(Emitter& emitter, NumberDomain& domain, const KernelInterface& interface, bool severalInstances);
+  KernelFrame(Emitter& emitter, NumberDomain& domain, const KernelInterface& interface, bool severalInstances,
+              llvm::Instruction* entryEnd);
 
-  void begin();
+  void begin(const PointRange& points);
+  /// Ends the loop; the emitter stands behind it.
   void end();
 
+  /// Number of points in the batch.
+  llvm::Value* count() const { return count_; }
   /// Lanes of the chunk whose points are active.
   Mask active() const { return active_; }
   llvm::Value* context() const { return context_; }
-  /// Index in the batch of the chunk's first point.
+  /// Where the chunk begins: in the batch, or in the list.
   llvm::Value* base() const { return base_; }
+  /// The list of points; a null pointer without one.
+  llvm::Value* list() { return list_ ? list_ : e_.zero(e_.ir.getPtrTy()); }
+  /// Appends the indices of the lanes' points to an array of i32, at a place that is counted up. Not at width 1.
+  void append(llvm::Value* lanes, llvm::Value* array, llvm::AllocaInst* place);
   llvm::Value* loopBudget();
 
   /// A component of a global, by its number among the pointers of a wide kernel. Range kernels: also, after the
@@ -44,8 +64,8 @@ class KernelFrame {
   /// Index of the instance of a lane, as i32.
   llvm::Value* instanceOf(llvm::Value* lane);
 
-  /// Output pointer number `index` receives a part of a result in the active lanes.
-  void storeOutput(unsigned index, llvm::Value* lanes);
+  /// Output pointer number `index` receives a part of a result in some of the active lanes.
+  void storeOutput(unsigned index, llvm::Value* lanes, llvm::Value* mask);
 
   /// Adds to the counters when the kernel ends: `lanesRun` in lanes, `lanesUsed` by the mask.
   void count(unsigned cost, const Mask& mask);
@@ -66,7 +86,8 @@ class KernelFrame {
 
  private:
   llvm::Value* argument(unsigned offset, llvm::Type* type);
-  llvm::Value* activeLanes(llvm::Value* count);
+  llvm::Value* activeLanes(const PointRange& points);
+  llvm::Value* pointAddresses(llvm::Value* pointer, unsigned bytes);
   llvm::Value* lanesAt(llvm::Value* pointer, llvm::Type* type, unsigned bytes);
   void prepareInstances();
   Number instanceNumber(Kind kind, unsigned offset);
@@ -86,6 +107,9 @@ class KernelFrame {
   llvm::Value* arguments_ = nullptr;
   llvm::Value* context_ = nullptr;
   llvm::Value* count_ = nullptr;
+  llvm::Value* last_ = nullptr;  ///< Where the range ends.
+  llvm::Value* list_ = nullptr;
+  llvm::Value* indices_ = nullptr;  ///< Lanes of i32: the points' indices in the batch.
   llvm::Value* loopBudget_ = nullptr;
   llvm::Value* globals_ = nullptr;
   llvm::Value* outputs_ = nullptr;

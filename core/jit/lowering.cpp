@@ -51,7 +51,19 @@ void Lowering::run() {
   may_ = maskSlot("mask");
   if (domain_.splitsMasks()) must_ = maskSlot("mask.must");
   setMask(frame_.active());
+  if (options_.leftOut) {
+    stopped_ = maskSlot("stopped");
+    e_.ir.CreateStore(e_.noLanes(), stopped_);
+  }
   emit(program_.body);
+}
+
+llvm::Value* Lowering::stopped() {
+  return stopped_ ? static_cast<llvm::Value*>(e_.ir.CreateLoad(e_.maskType(), stopped_)) : e_.noLanes();
+}
+
+bool Lowering::isLeftOut(const Instruction& branch, DearPart::Place place) const {
+  return options_.leftOut && options_.leftOut->branch == &branch && options_.leftOut->place == place;
 }
 
 void Lowering::findExits(const Code& code, std::vector<const Instruction*>& enclosing) {
@@ -114,6 +126,11 @@ void Lowering::emit(const Code& code, bool maySkip) {
     const Instruction& instruction = code[i];
     emit(instruction);
     if (lang::isExit(instruction.op)) break;  // nothing comes here
+    if (isLeftOut(instruction, DearPart::Place::behind)) {
+      e_.ir.CreateStore(mask().may, stopped_);
+      setMask({e_.noLanes(), e_.noLanes()});
+      break;
+    }
     if (i + 1 == code.size() || !exitsOf(instruction).passing) continue;
     const std::span<const Instruction> rest = std::span(code).subspan(i + 1);
     if (maySkip && (cost_.of(rest) > skipThreshold || mustBeSkipped(program_, rest))) {
@@ -188,9 +205,20 @@ void Lowering::emitSides(const Instruction& instruction, llvm::Value* condition)
 void Lowering::emitMaskedSides(const Instruction& instruction, const Number& condition) {
   const Mask before = mask();
   const Condition split = domain_.condition(condition);
+  const Mask whenTrue = domain_.narrow(before, split);
+  const Mask whenFalse = domain_.narrowNot(before, split);
+  const bool leavesTrue = isLeftOut(instruction, DearPart::Place::whenTrue);
+  if (leavesTrue || isLeftOut(instruction, DearPart::Place::whenFalse)) {
+    e_.ir.CreateStore((leavesTrue ? whenTrue : whenFalse).may, stopped_);
+    const Mask& other = leavesTrue ? whenFalse : whenTrue;
+    llvm::Value* const through =
+        emitMaskedSide(instruction.bodies[leavesTrue ? 1 : 0], other, exitsOf(instruction).passing);
+    setMask({through, through});
+    return;
+  }
   const bool passing = exitsOf(instruction).passing;
-  llvm::Value* const yes = emitMaskedSide(instruction.bodies[0], domain_.narrow(before, split), passing);
-  llvm::Value* const no = emitMaskedSide(instruction.bodies[1], domain_.narrowNot(before, split), passing);
+  llvm::Value* const yes = emitMaskedSide(instruction.bodies[0], whenTrue, passing);
+  llvm::Value* const no = emitMaskedSide(instruction.bodies[1], whenFalse, passing);
   if (!passing) {
     setMask(before);
     return;

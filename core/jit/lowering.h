@@ -1,11 +1,13 @@
 // A program's structured code to IR, over any number domain.
 #pragma once
 
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
 #include "core/jit/cost.h"
+#include "core/jit/dear_part.h"
 #include "core/jit/kernel_frame.h"
 #include "core/jit/variables.h"
 #include "core/lang/program.h"
@@ -15,7 +17,8 @@ namespace aerosol::jit {
 
 struct LoweringOptions {
   bool counters = false;
-  bool reports = true;  ///< Of array indices and loop budgets. (Messages are in the program or not.)
+  bool reports = true;              ///< Of array indices and loop budgets. (Messages are in the program or not.)
+  std::optional<DearPart> leftOut;  ///< Lanes that come to it go no further.
 };
 
 /// Walks the code under a mask of lanes. Where all points that run it go the same way control flow becomes branches;
@@ -29,6 +32,8 @@ class Lowering {
            LoweringOptions options);
 
   void run();
+  /// When run: the active lanes that came to the part that is left out.
+  llvm::Value* stopped();
 
  private:
   /// A loop or scope that is being emitted.
@@ -64,6 +69,7 @@ class Lowering {
   void emitScope(const lang::Instruction& instruction);
   void emitExit(const lang::Instruction& instruction);
   void emitTargetEnd(const Mask& before);
+  bool isLeftOut(const lang::Instruction& branch, DearPart::Place place) const;
   Target& targetOf(const lang::Instruction& exit);
   Exits exitsOf(const lang::Instruction& control) const;
   Mask mask();
@@ -155,8 +161,9 @@ class Lowering {
 
   Cost cost_;
 
-  llvm::AllocaInst* may_ = nullptr;   ///< The mask in memory, so that control flow can merge it.
-  llvm::AllocaInst* must_ = nullptr;  ///< Null where `must` is `may`.
+  llvm::AllocaInst* may_ = nullptr;      ///< The mask in memory, so that control flow can merge it.
+  llvm::AllocaInst* must_ = nullptr;     ///< Null where `must` is `may`.
+  llvm::AllocaInst* stopped_ = nullptr;  ///< Null where nothing is left out.
   std::vector<Target> targets_;
   std::unordered_map<const lang::Instruction*, Exits> exits_;
   std::unordered_set<lang::VariableId> objectMatrices_;  ///< Temporaries that hold the map from world to object space.

@@ -74,7 +74,7 @@ void Lowering::report(std::uint32_t kind, std::uint32_t location, const std::str
     e_.ir.CreateAlignedStore(recordValue(values[i]), row, llvm::Align(e_.laneBytes(Kind::string)));
   }
   e_.ir.CreateCall(recordFunction(), {frame_.context(), e_.bits(lanes), e_.ir.getInt32(kind), e_.ir.getInt32(site),
-                                      frame_.base(), memory, e_.ir.getInt32(count)});
+                                      frame_.base(), memory, e_.ir.getInt32(count), frame_.list()});
   e_.ir.CreateBr(end);
   e_.ir.SetInsertPoint(end);
 }
@@ -84,7 +84,7 @@ llvm::Function* Lowering::recordFunction() {
   llvm::Type* const pointer = e_.ir.getPtrTy();
   llvm::Type* const word = e_.ir.getInt32Ty();
   auto* const type =
-      llvm::FunctionType::get(e_.ir.getVoidTy(), {pointer, word, word, word, word, pointer, word}, false);
+      llvm::FunctionType::get(e_.ir.getVoidTy(), {pointer, word, word, word, word, pointer, word, pointer}, false);
   recordFunction_ = llvm::Function::Create(type, llvm::Function::InternalLinkage, "record", e_.module());
   recordFunction_->setDoesNotThrow();
   recordFunction_->addFnAttr(llvm::Attribute::NoInline);
@@ -96,7 +96,8 @@ llvm::Function* Lowering::recordFunction() {
   return recordFunction_;
 }
 
-/// void record(context, bits, kind, site, base, values, count): calls the host for each set bit from the lowest on.
+/// void record(context, bits, kind, site, base, values, count, list): calls the host for each set bit from the lowest
+/// on. The bits' points are those from `base` on, or what the list holds there.
 void Lowering::fillRecordFunction(llvm::Function& function) {
   Emitter f(function, e_.target());
   llvm::Value* const context = function.getArg(0);
@@ -117,6 +118,9 @@ void Lowering::fillRecordFunction(llvm::Function& function) {
   f.ir.SetInsertPoint(entry);
   llvm::Value* const row = f.ir.CreateMul(count, f.ir.getInt32(f.width()));
   llvm::Value* const isEmpty = f.ir.CreateICmpEQ(count, f.ir.getInt32(0));
+  llvm::Value* const list = function.getArg(7);
+  llvm::Value* const unlisted = f.slot(word, "unlisted");
+  llvm::Value* const isListed = f.ir.CreateICmpNE(list, f.zero(f.ir.getPtrTy()));
   f.ir.CreateBr(lanes);
 
   f.ir.SetInsertPoint(lanes);
@@ -138,7 +142,10 @@ void Lowering::fillRecordFunction(llvm::Function& function) {
   auto* const type =
       llvm::FunctionType::get(f.ir.getVoidTy(), {f.ir.getPtrTy(), word, word, word, f.ir.getPtrTy(), word}, false);
   llvm::Value* const service = hostService(f, context, offsetof(AerosolHostServices, record));
-  llvm::Value* const point = f.ir.CreateAdd(function.getArg(4), lane);
+  llvm::Value* const place = f.ir.CreateAdd(function.getArg(4), lane);
+  f.ir.CreateStore(place, unlisted);
+  llvm::Value* const listed = f.ir.CreateGEP(word, list, f.ir.CreateZExt(place, value));
+  llvm::Value* const point = f.ir.CreateLoad(word, f.ir.CreateSelect(isListed, listed, unlisted));
   f.ir.CreateCall(type, service, {context, function.getArg(2), function.getArg(3), point, at(row), count})
       ->setDoesNotThrow();
   llvm::Value* const rest = f.ir.CreateAnd(left, f.ir.CreateSub(left, f.ir.getInt32(1)));

@@ -109,8 +109,8 @@ std::vector<llvm::AllocaInst*>& Variables::slots(VariableId id) {
   if (!isNew) return it->second;
   const bool varies = isVarying(id);
   for (const Kind kind : kinds_[id]) it->second.push_back(memory({kind}, 1, varies, "variable"));
+  const Value start = initial(id);
   frame_.atChunkStart([&] {
-    const Value start = initial(id);
     for (std::size_t i = 0; i < start.size(); ++i) {
       domain_.store(varies ? domain_.varying(start[i]) : start[i], it->second[i]);
     }
@@ -176,23 +176,20 @@ ArrayMemory Variables::array(VariableId id) {
   const auto length = static_cast<unsigned>(variable.type.arrayLength);
   const bool varies = isVarying(id);
   it->second = {memory(element, length, varies, "array"), element, length, varies};
-  frame_.atChunkStart([&] { initialiseArray(id, it->second); });
+  const Value given = field ? frame_.field(*field) : Value();
+  frame_.atChunkStart([&] { initialiseArray(id, it->second, given); });
   return it->second;
 }
 
-void Variables::initialiseArray(VariableId id, const ArrayMemory& array) {
+/// `start`: the numbers that come from outside; none where the program text has them, or zeros.
+void Variables::initialiseArray(VariableId id, const ArrayMemory& array, Value start) {
   const lang::Variable& variable = program_.variables[id];
   const std::uint64_t bytes = std::uint64_t{domain_.elementBytes(array.element, array.varying)} * array.length;
   const auto components = static_cast<unsigned>(array.element.size());
-  Value start;
-  if (variable.storage == Storage::parameter) {
-    if (const InstanceField* field = fieldOf(variable)) {
-      start = frame_.field(*field);
-    } else {
-      for (unsigned i = 0; i < array.length * components; ++i) {
-        const Kind kind = array.element[i % components];
-        start.push_back({kind, false, {leaf(e_, kind, variable.value, i)}});
-      }
+  if (variable.storage == Storage::parameter && start.empty()) {
+    for (unsigned i = 0; i < array.length * components; ++i) {
+      const Kind kind = array.element[i % components];
+      start.push_back({kind, false, {leaf(e_, kind, variable.value, i)}});
     }
   }
   if (start.empty()) e_.ir.CreateMemSet(array.base, e_.ir.getInt8(0), bytes, llvm::MaybeAlign(8));

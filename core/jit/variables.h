@@ -44,7 +44,7 @@ class Variables {
   const InstanceField* fieldOf(const lang::Variable& variable) const;
   std::vector<llvm::AllocaInst*>& slots(lang::VariableId id);
   ArrayMemory constantArray(const lang::Variable& variable, llvm::ArrayRef<Kind> element);
-  void initialiseArray(lang::VariableId id, const ArrayMemory& array);
+  void initialiseArray(lang::VariableId id, const ArrayMemory& array, Value start);
 
   Emitter& e_;
   NumberDomain& domain_;
