@@ -51,7 +51,9 @@ KernelQueues::KernelQueues(const PreparedScene& scene, WorkerStatistics& statist
   for (std::size_t i = 0; i < queues_.size(); ++i) {
     queues_[i].family = static_cast<std::uint32_t>(i / shading::variantCount);
     queues_[i].variant = static_cast<shading::Variant>(i % shading::variantCount);
-    if (families[queues_[i].family].kernels[i % shading::variantCount]) prepareLayout(queues_[i]);
+    if (!families[queues_[i].family].kernels[i % shading::variantCount]) continue;
+    queues_[i].points.bind(families[queues_[i].family], queues_[i].variant);
+    prepareLayout(queues_[i]);
   }
 }
 
@@ -75,41 +77,30 @@ void KernelQueues::prepareLayout(Queue& queue) const {
   }
   for (const jit::OutputComponent& output : outputs) {
     queue.destinations.push_back(coefficientOffset(output));
-    queue.mayBeNegative.push_back(output.kind == lang::OutputKind::emission ||
-                                  output.kind == lang::OutputKind::lobeAnisotropy);
+    const bool mayBeNegative =
+        output.kind == lang::OutputKind::emission || output.kind == lang::OutputKind::lobeAnisotropy;
+    queue.least.push_back(mayBeNegative ? std::numeric_limits<float>::lowest() : 0.0f);
     if (output.kind == lang::OutputKind::lobeAnisotropy) queue.lobes = std::max(queue.lobes, output.index + 1);
   }
   queue.copiesSigmaS = queue.lobes == 1;
 }
 
-shading::InstanceRef KernelQueues::instanceOf(const Question& question) const {
-  return question.medium ? scene_.mediumShaders[question.medium->index] : question.surface;
-}
-
-void KernelQueues::push(const Question& question, PendingQuestion from) {
-  const shading::Variant variant = !question.medium                                    ? shading::Variant::surface
-                                   : question.quantity == volume::Quantity::extinction ? shading::Variant::extinction
-                                                                                       : shading::Variant::coefficients;
-  queues_[instanceOf(question).family * shading::variantCount + static_cast<std::size_t>(variant)].questions.push_back(
-      from);
+void KernelQueues::push(const Question& question, const PathContext& path, PendingQuestion from) {
+  const auto queueOf = [&](shading::InstanceRef shader, shading::Variant variant) -> Queue& {
+    return queues_[shader.family * shading::variantCount + static_cast<std::size_t>(variant)];
+  };
   ++waiting_;
-}
-
-void KernelQueues::gather(const Queue& queue, std::span<PathContext* const> paths) {
-  batch_.begin(scene_.shading.families()[queue.family], queue.variant);
-  shading::ShadingPoint point;
-  for (std::size_t lane = 0; lane < running_.size(); ++lane) {
-    const PathContext& path = *paths[running_[lane].slot];
-    const Question& question = path.questions()[running_[lane].question];
-    if (question.medium) {
-      point.set(lang::Global::P, question.point);
-      point.set(lang::Global::I, path.direction());
-      point.set(lang::Global::time, path.time());
-      batch_.set(static_cast<int>(lane), point, scene_.mediumShaders[question.medium->index].index);
-    } else {
-      batch_.set(static_cast<int>(lane), *question.surfacePoint, question.surface.index);
-    }
+  if (!question.medium) {
+    Queue& queue = queueOf(question.surface, shading::Variant::surface);
+    queue.questions.push_back(from);
+    queue.points.push(*question.surfacePoint, question.surface.index);
+    return;
   }
+  const shading::InstanceRef shader = scene_.mediumShaders[question.medium->index];
+  Queue& queue = queueOf(shader, question.quantity == volume::Quantity::extinction ? shading::Variant::extinction
+                                                                                   : shading::Variant::coefficients);
+  queue.questions.push_back(from);
+  queue.points.push(shading::VolumePoint{question.point, path.direction(), path.time()}, shader.index);
 }
 
 /// NaN, infinite and negative results become zero: counted, and reported once a shader with the point that gave them.
@@ -143,7 +134,7 @@ bool KernelQueues::allSound(const Queue& queue) const {
   for (std::size_t k = 0; k < queue.destinations.size(); ++k) {
     const float* values = batch_.output(k);
     // NaN fails both comparisons.
-    const float least = queue.mayBeNegative[k] ? std::numeric_limits<float>::lowest() : 0.0f;
+    const float least = queue.least[k];
     for (std::size_t lane = 0; lane < running_.size(); ++lane) {
       sound &= values[lane] >= least && values[lane] <= std::numeric_limits<float>::max();
     }
@@ -206,15 +197,14 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
   Queue& queue = *std::max_element(queues_.begin(), queues_.end(), [](const Queue& a, const Queue& b) {
     return a.questions.size() < b.questions.size();
   });
-  const auto take =
-      static_cast<std::ptrdiff_t>(std::min(queue.questions.size(), static_cast<std::size_t>(batch_.capacity())));
   // The latest questions are taken: their paths are still in the cache.
-  running_.assign(queue.questions.end() - take, queue.questions.end());
-  queue.questions.erase(queue.questions.end() - take, queue.questions.end());
+  const std::size_t first = batch_.firstOfLast(queue.points);
+  running_.assign(queue.questions.begin() + static_cast<std::ptrdiff_t>(first), queue.questions.end());
+  batch_.run(host_, queue.points, first);
+  queue.questions.resize(first);
+  queue.points.shrink(first);
   waiting_ -= running_.size();
 
-  gather(queue, paths);
-  batch_.run(host_, static_cast<int>(running_.size()));
   count(static_cast<int>(running_.size()), batch_.interface().width);
   if (!host_.records().empty()) scene_.messages->collect(host_, batch_, running_, paths);
   switch (queue.variant) {

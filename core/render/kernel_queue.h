@@ -22,7 +22,7 @@ class KernelQueues {
  public:
   KernelQueues(const PreparedScene& scene, WorkerStatistics& statistics, int batchSize);
 
-  void push(const Question& question, PendingQuestion from);
+  void push(const Question& question, const PathContext& path, PendingQuestion from);
   bool empty() const { return waiting_ == 0; }
 
   /// Runs the kernel with the most questions on at most a batch of them and writes the answers into the paths.
@@ -36,16 +36,15 @@ class KernelQueues {
     std::uint32_t family = 0;
     shading::Variant variant{};
     std::vector<PendingQuestion> questions;
+    shading::PointArrays points;            ///< Of the questions.
     std::vector<std::size_t> destinations;  ///< Float of the answer that each output goes to.
-    std::vector<bool> mayBeNegative;        ///< By output.
+    std::vector<float> least;               ///< By output: what is below is wrong.
     bool copiesSigmaS = false;              ///< One lobe: its σs is the sum.
     std::uint32_t lobes = 0;
     std::uint32_t sites = 0;
   };
 
-  shading::InstanceRef instanceOf(const Question& question) const;
   void prepareLayout(Queue& queue) const;
-  void gather(const Queue& queue, std::span<PathContext* const> paths);
   bool allSound(const Queue& queue) const;
   void scatterExtinction(const Queue& queue, std::span<PathContext* const> paths);
   void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);

@@ -26,7 +26,7 @@ auto askOnce(const PreparedScene& scene, const Question& question, Take take) {
   PathContext path(scene, sink, statistics);
   path.prepareAnswer(question);
   KernelQueues queues(scene, statistics, AEROSOL_MAXIMUM_WIDTH);
-  queues.push(question, {0, 0});
+  queues.push(question, path, {0, 0});
   PathContext* const paths[] = {&path};
   queues.runFullest(paths);
   return take(path, statistics);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/accel/scene.h"
@@ -70,6 +71,7 @@ class PathContext {
     questionsBefore_ = 0;
     questions_.clear();
     answered_ = true;
+    waiting_ = nullptr;
   }
 
   /// The ray on which the following questions about media lie: shaders see its direction as I, and its time.
@@ -82,7 +84,10 @@ class PathContext {
 
   void ask(const volume::Medium& medium, Point<World> point, volume::Quantity quantity) {
     beginQuestions();
-    questions_.push_back({&medium, quantity, point, {}, nullptr});
+    Question& question = questions_.emplace_back();
+    question.medium = &medium;
+    question.quantity = quantity;
+    question.point = point;
   }
 
   /// Suspends until the questions are answered. Without a question the path goes on at once.
@@ -92,13 +97,14 @@ class PathContext {
       bool await_ready() const { return path.questions_.empty() || path.answered_; }
       void await_suspend(std::coroutine_handle<> waiting) const {
         path.waiting_ = waiting;
-        path.answers_.resize(path.questions_.size());
+        path.unanswered_ = static_cast<std::uint32_t>(path.questions_.size());
+        if (path.answers_.size() < path.questions_.size()) path.answers_.resize(path.questions_.size());
         path.sink_.post(path);
       }
       std::span<const volume::Coefficients> await_resume() const {
         if (path.questions_.empty() || path.answered_) return {};
         path.answered_ = true;
-        return path.answers_;
+        return {path.answers_.data(), path.questions_.size()};
       }
     };
     return Awaiter{*this};
@@ -111,6 +117,7 @@ class PathContext {
       bool await_ready() const { return false; }
       void await_suspend(std::coroutine_handle<> waiting) const {
         path.waiting_ = waiting;
+        path.unanswered_ = 1;
         path.sink_.post(path);
       }
       const SurfaceAnswer& await_resume() const {
@@ -133,15 +140,21 @@ class PathContext {
   volume::Coefficients& answer(std::size_t question) { return answers_[question]; }
   SurfaceAnswer& surfaceAnswer() { return surfaceAnswer_; }
   const PathId& id() const { return id_; }
-  void resume() { waiting_.resume(); }
+  /// Takes note of one answer; true when it was the last one that the path waits for.
+  bool answered() { return --unanswered_ == 0; }
+  /// Runs on up to the next suspension; false when the path has come to its end.
+  bool resume() {
+    std::exchange(waiting_, nullptr).resume();
+    return waiting_ != nullptr;
+  }
+  bool isWaiting() const { return waiting_ != nullptr; }
+  /// Fetches what `resume` needs.
+  void prefetch() const {
+    const char* const frame = static_cast<const char*>(waiting_.address());
+    for (int line = 0; line < 6; ++line) __builtin_prefetch(frame + 64 * line);
+  }
   /// Counts the questions of a path in the order of asking; `question` is an index into `questions`.
   std::uint32_t questionNumber(std::uint32_t question) const { return questionsBefore_ + question; }
-
-  // Scratch, reused from ray to ray.
-  accel::SpanBuffer spans;
-  accel::InterfaceBuffer interfaces;
-  std::vector<volume::MediumSpan> mediumSpans;
-  volume::SegmentList segments;
 
  private:
   /// Answers stay readable until the next question.
@@ -153,20 +166,29 @@ class PathContext {
     answered_ = false;
   }
 
+  // What every question needs lies close together.
+  std::coroutine_handle<> waiting_;
+  std::uint32_t unanswered_ = 0;
+  std::uint32_t questionsBefore_ = 0;
+  std::vector<Question> questions_;
+  std::vector<volume::Coefficients> answers_;
+  bool answered_ = true;
+  float time_ = 0;
+  Vector<World> direction_;
+  SampleStream random_;
+  PathId id_;
   const PreparedScene& scene_;
   QuestionSink& sink_;
   WorkerStatistics& statistics_;
   volume::FrameStack frames_;
-  PathId id_;
-  SampleStream random_;
-  Vector<World> direction_;
-  float time_ = 0;
-  std::vector<Question> questions_;
-  std::vector<volume::Coefficients> answers_;
   SurfaceAnswer surfaceAnswer_;
-  bool answered_ = true;
-  std::uint32_t questionsBefore_ = 0;
-  std::coroutine_handle<> waiting_;
+
+ public:
+  // Scratch, reused from ray to ray.
+  accel::SpanBuffer spans;
+  accel::InterfaceBuffer interfaces;
+  std::vector<volume::MediumSpan> mediumSpans;
+  volume::SegmentList segments;
 };
 
 }  // namespace aerosol::render

@@ -80,14 +80,25 @@ struct SamplerSettings {
   SampleStream stream(int x, int y, std::uint32_t sample) const { return {kind, seed, x, y, sample}; }
 };
 
-/// The second stream as a plain source of numbers, for loops of unknown length (null collisions).
+/// The second stream as a plain source of numbers, for loops of unknown length (null collisions). Each hash gives two.
 class HashSource {
  public:
   explicit HashSource(SampleStream& stream) : stream_(&stream) {}
-  float next() { return stream_->nextHash(); }
+  float next() {
+    if (hasSecond_) {
+      hasSecond_ = false;
+      return unitFloat(second_);
+    }
+    const std::uint64_t bits = stream_->nextHashBits();
+    second_ = static_cast<std::uint32_t>(bits);
+    hasSecond_ = true;
+    return unitFloat(bits);
+  }
 
  private:
   SampleStream* stream_;
+  std::uint32_t second_ = 0;
+  bool hasSecond_ = false;
 };
 
 }  // namespace aerosol::render

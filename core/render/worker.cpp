@@ -4,6 +4,13 @@
 
 namespace aerosol::render {
 
+namespace {
+
+/// Paths ahead of the one that runs whose frames are fetched: several hundred frames do not fit the nearest cache.
+constexpr std::size_t prefetchDistance = 3;
+
+}  // namespace
+
 Worker::Worker(SharedWork shared) : shared_(shared), queues_(shared.scene, statistics_, shared.options.batchSize) {
   const auto count = static_cast<std::uint32_t>(std::max(1, shared.options.pathsInFlight));
   slots_.resize(count);
@@ -24,12 +31,12 @@ void Worker::run() {
     if (queues_.empty()) break;
     ready_.clear();
     for (const PendingQuestion& answered : queues_.runFullest(paths_)) {
-      if (--slots_[answered.slot].unanswered == 0) ready_.push_back(answered.slot);
+      if (paths_[answered.slot]->answered()) ready_.push_back(answered.slot);
     }
-    for (const std::uint32_t slot : ready_) {
-      running_ = slot;
-      slots_[slot].path->resume();
-      finishIfDone(slot);
+    for (std::size_t i = 0; i < ready_.size(); ++i) {
+      if (i + prefetchDistance < ready_.size()) paths_[ready_[i + prefetchDistance]]->prefetch();
+      running_ = ready_[i];
+      if (!paths_[running_]->resume()) finish(running_);
     }
   }
   for (const Slot& slot : slots_) statistics_.frameHeapBlocks += slot.path->frames().heapBlocks();
@@ -81,21 +88,18 @@ bool Worker::startPath(std::uint32_t index) {
   slot.task.emplace(shared_.integrator.trace(*slot.path, scene.camera->ray(camera)));
   running_ = index;
   slot.task->start();
-  finishIfDone(index);
+  if (!slot.path->isWaiting()) finish(index);
   return true;
 }
 
 void Worker::post(PathContext& path) {
-  Slot& slot = slots_[running_];
   const auto questions = path.questions();
-  slot.unanswered = static_cast<std::uint32_t>(questions.size());
-  for (std::uint32_t i = 0; i < questions.size(); ++i) queues_.push(questions[i], {running_, i});
+  for (std::uint32_t i = 0; i < questions.size(); ++i) queues_.push(questions[i], path, {running_, i});
   if (questions[0].medium) statistics_.trackers.points += questions.size();
 }
 
-void Worker::finishIfDone(std::uint32_t index) {
+void Worker::finish(std::uint32_t index) {
   Slot& slot = slots_[index];
-  if (!slot.task->isDone()) return;
   const Radiance radiance = slot.task->take();
   slot.task.reset();
   const PathId& id = slot.path->id();

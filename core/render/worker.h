@@ -49,14 +49,13 @@ class Worker final : public QuestionSink {
     std::optional<volume::Task<Radiance>> task;
     OpenTile* tile = nullptr;
     float filterWeight = 1;
-    std::uint32_t unanswered = 0;
   };
 
   void post(PathContext& path) override;
   void refill();
   /// False when there is no more work.
   bool startPath(std::uint32_t slot);
-  void finishIfDone(std::uint32_t slot);
+  void finish(std::uint32_t slot);
   void close(OpenTile* tile);
   bool isStopped() const;
 

@@ -1,6 +1,8 @@
 // Points gathered as structure of arrays, run through a kernel together.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -13,24 +15,80 @@
 
 namespace aerosol::shading {
 
-/// Owns the arrays of one batch; reused for all kernels of a thread.
+namespace detail {
+
+struct FreeMemory {
+  void operator()(void* p) const { std::free(p); }
+};
+template <class T>
+using AlignedArray = std::unique_ptr<T[], FreeMemory>;
+
+}  // namespace detail
+
+/// A point of a volume with what its shader may read.
+struct VolumePoint {
+  Point<World> point;
+  Vector<World> direction;  ///< Of the ray.
+  float time = 0;           ///< Seconds within the shutter.
+};
+
+/// The points that wait for one kernel, in the kernel's own arrays: any number, taken off at the end. Only what the
+/// kernel reads is kept.
+class PointArrays {
+ public:
+  /// The family must outlive it.
+  void bind(const Family& family, Variant variant);
+
+  std::size_t size() const { return size_; }
+  void push(const ShadingPoint& point, std::uint32_t instance) {
+    const std::size_t at = next(instance);
+    for (const Column& column : columns_) column.values[at] = point[column.component];
+  }
+  void push(const VolumePoint& point, std::uint32_t instance) {
+    const std::array<float, 7> values{point.point.x,     point.point.y,     point.point.z, point.direction.x,
+                                      point.direction.y, point.direction.z, point.time};
+    const std::size_t at = next(instance);
+    for (const Column& column : columns_) column.values[at] = column.ofVolume < 7 ? values[column.ofVolume] : 0.0f;
+  }
+  /// Drops all points from number `first` on.
+  void shrink(std::size_t first) { size_ = first; }
+
+ private:
+  friend class Batch;
+
+  struct Column {
+    std::size_t component = 0;  ///< Of ShadingPoint.
+    std::size_t ofVolume = 7;   ///< Of P, I, time; 7: always zero.
+    float* values = nullptr;
+  };
+
+  std::size_t next(std::uint32_t instance) {
+    if (size_ == capacity_) [[unlikely]]
+      grow();
+    instances_[size_] = static_cast<std::int32_t>(instance);
+    return size_++;
+  }
+  void grow();
+
+  const Family* family_ = nullptr;
+  const jit::Kernel* kernel_ = nullptr;
+  std::vector<Column> columns_;
+  std::size_t size_ = 0, capacity_ = 0;
+  detail::AlignedArray<float> floats_;
+  detail::AlignedArray<std::int32_t> instances_;
+};
+
+/// Runs kernels and holds their results; one for all kernels of a thread.
 class Batch {
  public:
   explicit Batch(int capacity);
 
   int capacity() const { return capacity_; }
 
-  /// Starts a batch for a kernel.
-  void begin(const Family& family, Variant variant);
-  /// Point number `lane`, counted from 0 without gaps. Only what the kernel reads is copied.
-  void set(int lane, const ShadingPoint& point, std::uint32_t instance) {
-    for (const int component : componentsRead_) {
-      global(component)[lane] = point[static_cast<std::size_t>(component)];
-    }
-    instances_.get()[lane] = static_cast<std::int32_t>(instance);
-  }
-  /// Runs the kernel on the first `count` points.
-  void run(KernelHost& host, int count);
+  /// Where a run must begin that takes at most a batch of the last points: kernels want whole vectors.
+  std::size_t firstOfLast(const PointArrays& points) const;
+  /// Runs the kernel on the points from number `first`, a multiple of 16, to the end.
+  void run(KernelHost& host, const PointArrays& points, std::size_t first);
 
   /// Array number `output` of the kernel's interface.
   const float* output(std::size_t output) const { return static_cast<const float*>(outputPointers_[output]); }
@@ -38,23 +96,12 @@ class Batch {
   const Family& family() const { return *family_; }
 
  private:
-  struct Free {
-    void operator()(void* p) const { std::free(p); }
-  };
-  template <class T>
-  using Aligned = std::unique_ptr<T[], Free>;
-
-  float* global(int component) { return globals_.get() + static_cast<std::size_t>(component) * stride_; }
-
   int capacity_;
   std::size_t stride_;  ///< Floats from one array to the next.
-  Aligned<float> globals_;
-  Aligned<std::int32_t> instances_;
-  Aligned<float> outputs_;
+  detail::AlignedArray<float> outputs_;
   std::size_t outputArrays_ = 0;
-  std::vector<const float*> globalPointers_;
+  std::array<const float*, jit::globalPointerCount> globalPointers_{};
   std::vector<void*> outputPointers_;
-  std::vector<int> componentsRead_;
   const jit::Kernel* kernel_ = nullptr;
   const Family* family_ = nullptr;
 };

@@ -55,6 +55,7 @@ struct Fixture {
   KernelHost host{spaces, 1000000};
   BoundsBatch bounds{64};
   Batch points{pointsInBox};
+  PointArrays waiting;
 
   explicit Fixture(const std::shared_ptr<const lang::Program>& program,
                    const std::vector<Transform<World, Object>>& places = placements()) {
@@ -115,7 +116,7 @@ bool liesIn(const VolumeBox& box, const Transform<World, Object>& place, Point<W
 int gatherPoints(Fixture& fixture, const VolumeBox& box, std::uint32_t instance, std::mt19937_64& random) {
   std::uniform_real_distribution<float> unit(0, 1);
   const Transform<World, Object>& place = fixture.family().instances[instance].objectToWorld;
-  fixture.points.begin(fixture.family(), Variant::coefficients);
+  fixture.waiting.bind(fixture.family(), Variant::coefficients);
   int count = 0;
   for (int tries = 0; tries < 4 * pointsInBox && count < pointsInBox; ++tries) {
     Point<Object> p;
@@ -128,7 +129,8 @@ int gatherPoints(Fixture& fixture, const VolumeBox& box, std::uint32_t instance,
     point.set(lang::Global::P, world);
     point.set(lang::Global::I, normalize(Vector<World>(unit(random) - 0.5f, unit(random) - 0.5f, unit(random) - 0.5f)));
     point.set(lang::Global::time, box.timeLow + unit(random) * (box.timeHigh - box.timeLow));
-    fixture.points.set(count++, point, instance);
+    fixture.waiting.push(point, instance);
+    ++count;
   }
   return count;
 }
@@ -143,7 +145,7 @@ int expectBoundsHold(Fixture& fixture, const std::string& name) {
     const CoefficientBounds bounds = fixture.boundsOf(box, instance);
     const int count = gatherPoints(fixture, box, instance, random);
     if (count == 0) continue;
-    fixture.points.run(fixture.host, count);
+    fixture.points.run(fixture.host, fixture.waiting, 0);
     const auto& outputs = fixture.points.interface().outputs;
     for (std::size_t k = 0; k < outputs.size(); ++k) {
       for (int lane = 0; lane < count; ++lane, ++compared) {
