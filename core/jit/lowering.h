@@ -122,6 +122,7 @@ class Lowering {
 
   // lowering_calls.cpp
   bool isObjectPoint(const lang::Instruction& instruction) const;
+  void emitUnknownCall(const lang::Instruction& instruction);
   void emitCall(const lang::Instruction& instruction);
   Value callFunction(const std::string& symbol, llvm::ArrayRef<Value> arguments, llvm::ArrayRef<Kind> result);
   void emitFunctionCall(const std::string& symbol, bool varying, llvm::ArrayRef<llvm::Value*> pointers);
