@@ -35,6 +35,7 @@ constexpr std::array symbolCosts = {
     SymbolCost{"getmatrix", 60},
 };
 constexpr double otherCallCost = 5;
+constexpr double hostCallCost = 100;
 
 }  // namespace
 
@@ -52,6 +53,7 @@ bool Cost::constantInt(VariableId id, double& value) const {
 }
 
 double Cost::ofCall(const Instruction& instruction) const {
+  if (program_.functions[instruction.function].host) return hostCallCost;
   const std::string& symbol = program_.functions[instruction.function].symbol;
   for (const SymbolCost& entry : symbolCosts) {
     if (symbol.starts_with(entry.prefix)) {

@@ -80,8 +80,10 @@ class Search {
     switch (instruction.op) {
       case Op::message:
         return true;
-      case Op::call:
-        return !program_.functions[instruction.function].pure;
+      case Op::call: {
+        const lang::FunctionUse& function = program_.functions[instruction.function];
+        return !function.pure || (function.host && traces == Traces::reports);
+      }
       case Op::loop:
         return traces == Traces::reports;
       case Op::component:

@@ -115,7 +115,10 @@ lang::Uniformity::Inputs uniformityInputs(const Program& program, const KernelIn
                        [&](const InstanceField& field) { return field.parameter == variable.parameter; });
   };
   inputs.callVaries = [&](const lang::Instruction& instruction) {
-    if (program.functions[instruction.function].symbol != "getmatrix_i_ssm") return false;
+    const lang::FunctionUse& function = program.functions[instruction.function];
+    // Over boxes the results of a host function are not known, whatever its arguments are.
+    if (function.host) return request.domain == Domain::range || !function.dependsOnArgumentsAlone();
+    if (function.symbol != "getmatrix_i_ssm") return false;
     return spacesVary(program, instruction, request.severalInstances);
   };
   return inputs;
@@ -251,7 +254,7 @@ class KernelLoops {
 
 }  // namespace
 
-Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& request, const llvm::Module& library) {
+Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& request) {
   const Program program = prepare(request);
   if (auto error = checkLimits(program, request)) return std::move(*error);
   KernelInterface interface;
@@ -269,7 +272,7 @@ Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& r
 
   const lang::Uniformity::Inputs inputs = uniformityInputs(program, interface, request);
   const lang::Uniformity uniformity(program, program.body, inputs);
-  Emitter emitter(*declareKernel(module), request.target, library);
+  Emitter emitter(*declareKernel(module), request.target);
   const std::unique_ptr<NumberDomain> domain =
       request.domain == Domain::range ? makeRangeDomain(emitter) : makeWideDomain(emitter);
   KernelLoops loops(emitter, *domain, program, uniformity, request, interface);

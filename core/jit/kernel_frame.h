@@ -45,6 +45,8 @@ class KernelFrame {
   /// Lanes of the chunk whose points are active.
   Mask active() const { return active_; }
   llvm::Value* context() const { return context_; }
+  /// The kernel's AerosolKernelArguments.
+  llvm::Value* arguments() const { return arguments_; }
   /// Where the chunk begins: in the batch, or in the list.
   llvm::Value* base() const { return base_; }
   /// The list of points; a null pointer without one.

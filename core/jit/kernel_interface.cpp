@@ -11,7 +11,7 @@ namespace aerosol::jit {
 namespace {
 
 /// Changes whenever the layout below does.
-constexpr std::uint32_t formatVersion = 1;
+constexpr std::uint32_t formatVersion = 2;
 
 struct GlobalPointers {
   int first;
@@ -75,6 +75,23 @@ class Transfer {
   }
   void one(Field<InstanceField>& field) { (*this)(field.parameter, field.isSetFlag, field.offset, field.type); }
   void one(Field<MessageSite>& site) { (*this)(site.kind, site.location, site.format, site.arguments); }
+  void one(Field<lang::HostSite>& site) {
+    (*this)(site.function, site.location, site.result, site.arguments, site.outputs, site.constants);
+  }
+  void one(Field<lang::ConstantValue>& value) {
+    auto kind = static_cast<std::uint8_t>(value.index());
+    (*this)(kind);
+    if constexpr (reads) {
+      if (kind == 1) value = std::vector<std::int32_t>{};
+      if (kind == 2) value = std::vector<float>{};
+      if (kind == 3) value = std::vector<std::string>{};
+    }
+    std::visit(
+        [this]<class T>(T& leaves) {
+          if constexpr (!std::is_same_v<std::remove_const_t<T>, std::monostate>) this->one(leaves);
+        },
+        value);
+  }
   void one(Field<lang::ClosureSite>& site) {
     (*this)(site.closure, site.location, site.parameterTypes, site.parameterNames);
   }
@@ -99,7 +116,8 @@ void transfer(Stream& stream, Interface& interface) {
   Transfer<Stream> fields(stream);
   fields(interface.domain, interface.width, interface.globalsRead, interface.readsInstances,
          interface.readsInstanceData, interface.asksHostForSpaces, interface.instanceStride, interface.fields,
-         interface.outputs, interface.sites, interface.strings, interface.closureSites, interface.staticCost);
+         interface.outputs, interface.sites, interface.hostSites, interface.dependsOnHost, interface.strings,
+         interface.closureSites, interface.staticCost);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "core/base/diagnostic.h"
 #include "core/lang/abi.h"
+#include "core/lang/host_site.h"
 #include "core/lang/program.h"
 
 namespace aerosol::jit {
@@ -77,6 +78,8 @@ struct KernelInterface {
   std::vector<InstanceField> fields;
   std::vector<OutputComponent> outputs;
   std::vector<MessageSite> sites;
+  std::vector<lang::HostSite> hostSites;         ///< Of the calls of host functions.
+  bool dependsOnHost = false;                    ///< Some result may depend on what the host knows of a point.
   std::map<std::uint64_t, std::string> strings;  ///< Text of every string constant, by hash.
   std::vector<lang::ClosureSite> closureSites;
   /// Instructions that one point runs, estimated from the program text alone. Loops of unknown length count 8 times.
@@ -85,7 +88,7 @@ struct KernelInterface {
   /// Is any component of this global read?
   bool reads(lang::Global global) const;
   /// Do all points of an instance give the same results?
-  bool isConstant() const { return globalsRead == 0; }
+  bool isConstant() const { return globalsRead == 0 && !dependsOnHost; }
 };
 
 /// Index of the first pointer of a global in `AerosolKernelArguments::globals`, and how many components it has.

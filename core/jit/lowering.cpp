@@ -23,7 +23,10 @@ bool isTarget(const Instruction& construct, const Instruction& exit) {
 bool mustBeSkipped(const lang::Program& program, std::span<const Instruction> code) {
   return std::any_of(code.begin(), code.end(), [&](const Instruction& instruction) {
     if (instruction.op == Op::loop || instruction.op == Op::message) return true;
-    if (instruction.op == Op::call && !program.functions[instruction.function].pure) return true;
+    if (instruction.op == Op::call) {
+      const lang::FunctionUse& function = program.functions[instruction.function];
+      if (!function.pure || function.host) return true;
+    }
     return std::any_of(instruction.bodies.begin(), instruction.bodies.end(),
                        [&](const Code& body) { return mustBeSkipped(program, body); });
   });

@@ -122,13 +122,18 @@ class Lowering {
 
   // lowering_calls.cpp
   bool isObjectPoint(const lang::Instruction& instruction) const;
-  void emitUnknownCall(const lang::Instruction& instruction);
   void emitCall(const lang::Instruction& instruction);
   Value callFunction(const std::string& symbol, llvm::ArrayRef<Value> arguments, llvm::ArrayRef<Kind> result);
   void emitFunctionCall(const std::string& symbol, bool varying, llvm::ArrayRef<llvm::Value*> pointers);
   llvm::Value* argumentMemory(const Value& value, bool varying);
   llvm::Value* argumentArray(const ArrayMemory& array, bool varying);
   Value loadValue(llvm::Value* memory, llvm::ArrayRef<Kind> kinds, bool varying);
+
+  // lowering_host.cpp
+  void emitHostCall(const lang::Instruction& instruction);
+  std::uint32_t addHostSite(const lang::Instruction& instruction);
+  llvm::Value* hostArgument(const lang::Instruction& instruction, std::size_t index, bool varies);
+  void widenResults(const lang::Instruction& instruction);
 
   // lowering_spaces.cpp
   void emitMatrixOfSpaces(const lang::Instruction& instruction);

@@ -58,22 +58,9 @@ bool Lowering::isObjectPoint(const Instruction& instruction) const {
          variable.global == lang::Global::P && uniformity_.writeCount(point) == 0;
 }
 
-/// A function without a rule for ranges: its results may be anything.
-void Lowering::emitUnknownCall(const Instruction& instruction) {
-  const auto forget = [&](lang::VariableId variable) {
-    if (variables_.isArray(variable)) return variables_.widen(variable, mask());
-    Value value;
-    for (const Kind kind : variables_.kinds(variable)) value.push_back(domain_.anything(kind));
-    write(instruction, variable, value);
-  };
-  if (instruction.result != lang::noVariable) forget(instruction.result);
-  for (std::size_t i = 0; i < instruction.arguments.size(); ++i) {
-    if (lang::writesArgument(program_, instruction, i)) forget(instruction.arguments[i]);
-  }
-}
-
 void Lowering::emitCall(const Instruction& instruction) {
   const lang::FunctionUse& function = program_.functions[instruction.function];
+  if (function.host) return emitHostCall(instruction);
   if (function.symbol == "getmatrix_i_ssm") return emitMatrixOfSpaces(instruction);
   bool varies = !function.pure;
   std::vector<Value> values;
@@ -94,9 +81,6 @@ void Lowering::emitCall(const Instruction& instruction) {
     }
     for (const Number& number : value) varies = varies || number.varying;
     values.push_back(std::move(value));
-  }
-  if (varies && domain_.splitsMasks() && !e_.libraryHas(domain_.symbolPrefix() + ("_" + function.symbol))) {
-    return emitUnknownCall(instruction);
   }
   llvm::SmallVector<llvm::Value*, 8> pointers;
   const bool hasResult = instruction.result != lang::noVariable;

@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-enum { AEROSOL_ABI_VERSION = 1, AEROSOL_MAXIMUM_WIDTH = 16 };
+enum { AEROSOL_ABI_VERSION = 2, AEROSOL_MAXIMUM_WIDTH = 16 };
 
 /* Named transforms that a kernel may ask for, besides those by name through the host. Per instance, row-major 3x4
  * (rows of a map on column vectors), floats. "common" is world space. */
@@ -30,8 +30,9 @@ enum {
   AEROSOL_MESSAGE_PRINT = 0,
   AEROSOL_MESSAGE_WARNING = 1,
   AEROSOL_MESSAGE_ERROR = 2,
-  AEROSOL_REPORT_INDEX = 3, /* array index out of range: two int arguments: index, length */
-  AEROSOL_REPORT_BUDGET = 4 /* a loop ran out of its iteration budget: no arguments */
+  AEROSOL_REPORT_INDEX = 3,  /* array index out of range: two int arguments: index, length */
+  AEROSOL_REPORT_BUDGET = 4, /* a loop ran out of its iteration budget: no arguments */
+  AEROSOL_REPORT_HOST = 5    /* left by a host function: `site` is that of the call, one string argument: the text */
 };
 
 /* One argument of a record, 8 bytes: an int32, a float (both in the low bytes) or a string's 64-bit hash. */
@@ -42,6 +43,21 @@ typedef union AerosolRecordValue {
 } AerosolRecordValue;
 
 struct AerosolKernelContext;
+struct AerosolKernelArguments;
+
+/* One call of a host function for the points of one chunk. */
+typedef struct AerosolHostCall {
+  const struct AerosolKernelArguments* arguments; /* those of the kernel */
+  /* The result where the function has one, then its arguments. Each is an array of components (of arrays: element after
+   * element), each component `lanes` int32, float or (strings) uint64 in a row. What the function writes holds the old
+   * values before the call; elements of lanes that are not active may not be written. */
+  void* const* values;
+  const int32_t* points; /* null: the lanes' points are those from `first` on; otherwise points[first + lane] */
+  uint32_t site; /* index into the kernel's table of host sites: the function's name, types, constants, position */
+  uint32_t first;
+  uint32_t lanes;  /* 1: one set of values for all active points; otherwise the width of the kernel */
+  uint32_t active; /* bit i: the point of lane i makes the call */
+} AerosolHostCall;
 
 /* Host services. `context` is the pointer of the arguments. All are thread-safe for distinct contexts. */
 typedef struct AerosolHostServices {
@@ -55,6 +71,8 @@ typedef struct AerosolHostServices {
                           float* matrix);
   int32_t (*worldToSpace)(struct AerosolKernelContext* context, uint64_t name, uint32_t instance, float time,
                           float* matrix);
+  /* Calls a host function. */
+  void (*call)(struct AerosolKernelContext* context, const AerosolHostCall* call);
 } AerosolHostServices;
 
 /* Counts kept by kernels that were compiled with counters. */

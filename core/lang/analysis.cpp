@@ -20,6 +20,7 @@ Reads findReads(const Program& program) {
       const FunctionUse& function = program.functions[instruction.function];
       outputs = function.outputs;
       reads.spaces = reads.spaces || std::string_view(function.symbol).starts_with("getmatrix_");
+      reads.host = reads.host || (function.host && !function.dependsOnArgumentsAlone());
     }
     for (std::size_t i = 0; i < instruction.arguments.size(); ++i)
       if (i >= 32 || (outputs >> i & 1u) == 0) read(instruction.arguments[i]);
@@ -32,7 +33,8 @@ Reads findReads(const Program& program) {
 
 bool isConstant(const Program& program, const Output& output) {
   const Reads reads = findReads(slice(program, {&output, 1}, Messages::drop));
-  return !reads.spaces && std::none_of(reads.globals.begin(), reads.globals.end(), [](bool read) { return read; });
+  return !reads.spaces && !reads.host &&
+         std::none_of(reads.globals.begin(), reads.globals.end(), [](bool read) { return read; });
 }
 
 }  // namespace aerosol::lang

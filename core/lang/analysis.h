@@ -34,6 +34,7 @@ struct Reads {
   std::array<bool, globalCount> globals{};
   std::vector<bool> parameters;  ///< By index; its value or whether it is set.
   bool spaces = false;           ///< Named coordinate systems.
+  bool host = false;             ///< What the host knows of a point: attributes, the ray's type, messages.
 
   bool any(Global global) const { return globals[static_cast<std::size_t>(global)]; }
 };

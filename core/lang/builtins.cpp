@@ -101,15 +101,6 @@ constexpr std::array table = {
     BuiltinRow{"printf", "x(s*)", "", special, false, "Prints."},
     BuiltinRow{"warning", "x(s*)", "", special, false, "Prints as a warning of the shader."},
     BuiltinRow{"error", "x(s*)", "", special, false, "Prints as an error of the shader."},
-    BuiltinRow{"format", "s(s*)", "", special, true, "The text that printf would print."},
-    BuiltinRow{"concat", "s(ss*)", "", special, true, "The strings one after the other."},
-    BuiltinRow{"strlen", "i(s)", "", special, true, "Number of bytes."},
-    BuiltinRow{"startswith", "i(ss)", "", special, true, "Whether the first begins with the second."},
-    BuiltinRow{"endswith", "i(ss)", "", special, true, "Whether the first ends with the second."},
-    BuiltinRow{"stoi", "i(s)", "", special, true, "The int at the beginning, or 0."},
-    BuiltinRow{"stof", "f(s)", "", special, true, "The float at the beginning, or 0."},
-    BuiltinRow{"substr", "s(si) s(sii)", "", special, true, "Part of a string: (text, start [, length])."},
-    BuiltinRow{"getchar", "i(si)", "", special, true, "Byte of a string, 0 outside."},
     // Others
     BuiltinRow{"arraylength", "i(A)", "", special, true, "Number of elements."},
     BuiltinRow{"exit", "x()", "", special, false, "Ends the shader."},
@@ -137,9 +128,19 @@ Type typeOf(char letter) {
       return types::matrix;
     case 'C':
       return types::closure;
+    case 'S':
+      return types::string.arrayOf(Type::unsized);
+    case 'I':
+      return types::integer.arrayOf(Type::unsized);
     default:
       return types::none;
   }
+}
+
+template <class Visit>
+void forEachRow(Visit&& visit) {
+  for (const BuiltinRow& row : builtinTable()) visit(row);
+  for (const BuiltinRow& row : hostBuiltinTable()) visit(row);
 }
 
 /// One signature with `g` and `r` standing for `generic`.
@@ -159,6 +160,7 @@ BuiltinOverload parse(const BuiltinRow& row, std::string_view text, char generic
     } else {
       if (output) overload.outputs |= bit;
       if (letter == 'A') overload.arrays |= bit;
+      if (letter == '?') overload.any |= bit;
       overload.parameters.push_back(resolve(letter));
       output = false;
     }
@@ -184,8 +186,8 @@ const std::vector<std::unique_ptr<BuiltinOverload>>& BuiltinOverloads::find(std:
   const auto known = known_.find(name);
   if (known != known_.end()) return known->second;
   auto& overloads = known_[std::string(name)];
-  for (const BuiltinRow& row : table) {
-    if (name != row.name) continue;
+  forEachRow([&](const BuiltinRow& row) {
+    if (name != row.name) return;
     std::string_view rest = row.signatures;
     while (!rest.empty()) {
       const std::size_t end = rest.find(' ');
@@ -196,11 +198,13 @@ const std::vector<std::unique_ptr<BuiltinOverload>>& BuiltinOverloads::find(std:
         auto overload = std::make_unique<BuiltinOverload>(parse(row, one, generic));
         bool isNew = true;
         for (const auto& other : overloads)
-          if (other->result == overload->result && other->parameters == overload->parameters) isNew = false;
+          if (other->result == overload->result && other->parameters == overload->parameters &&
+              other->arrays == overload->arrays && other->any == overload->any)
+            isNew = false;
         if (isNew) overloads.push_back(std::move(overload));
       }
     }
-  }
+  });
   return overloads;
 }
 
@@ -209,7 +213,9 @@ std::string toString(const BuiltinOverload& overload) {
   for (std::size_t i = 0; i < overload.parameters.size(); ++i) {
     if (i > 0) text += ", ";
     if ((overload.outputs >> i & 1u) != 0) text += "output ";
-    text += (overload.arrays >> i & 1u) != 0 ? "any[]" : toString(overload.parameters[i]);
+    text += (overload.arrays >> i & 1u) != 0 ? "any[]"
+            : (overload.any >> i & 1u) != 0  ? "any"
+                                             : toString(overload.parameters[i]);
   }
   if (overload.variadic) text += overload.parameters.empty() ? "..." : ", ...";
   return text + ")";
@@ -226,7 +232,7 @@ std::string symbolOf(std::string_view base, const Type& result, std::span<const 
 
 std::vector<std::string> builtinNames() {
   std::vector<std::string> names;
-  for (const BuiltinRow& row : table) names.emplace_back(row.name);
+  forEachRow([&](const BuiltinRow& row) { names.emplace_back(row.name); });
   return names;
 }
 

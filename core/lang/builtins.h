@@ -19,12 +19,14 @@ enum class BuiltinKind : std::uint8_t {
   call,           ///< One call of the run-time library.
   componentwise,  ///< One call a component of triple arguments; floats beside triples serve all components.
   special,        ///< By the lowering of its name (core/lang/lower_*.cpp).
+  host,           ///< One call of the host's function `symbol`, whatever the types.
 };
 
 /// Signatures are written `result(parameters)`, separated by spaces, with one letter a type: f float, i int, s string,
 /// c color, p point, v vector, n normal, m matrix, x void, C closure; g: float or any triple, the same in the whole
 /// signature; r: a result that is float or any triple, whatever the parameters are; `!` before a parameter: it is
-/// written; `?`: any one value; `A`: any array; `*`: any more values.
+/// written; `?`: any value, arrays too, but no structure or closure; `A`: any array; `S`, `I`: any array of
+/// strings, of ints; `*`: any more values.
 struct BuiltinRow {
   const char* name;
   const char* signatures;
@@ -32,17 +34,22 @@ struct BuiltinRow {
   BuiltinKind kind;
   bool pure;  ///< May be dropped, moved and repeated.
   const char* doc;
+  std::uint8_t traits = 0;  ///< HostTrait bits, of host rows.
 };
 
+/// Everything but host rows.
 std::span<const BuiltinRow> builtinTable();
+/// The rows of the host's functions.
+std::span<const BuiltinRow> hostBuiltinTable();
 
 /// One signature of a row, spelled out.
 struct BuiltinOverload {
   const BuiltinRow* row = nullptr;
   Type result;
-  std::vector<Type> parameters;  ///< `none` for `?` and `A`.
+  std::vector<Type> parameters;  ///< `none` for `?` and `A`; unsized for `S` and `I`.
   std::uint32_t outputs = 0;     ///< Bit i: parameter i is written.
   std::uint32_t arrays = 0;      ///< Bit i: parameter i is any array.
+  std::uint32_t any = 0;         ///< Bit i: parameter i is any value.
   bool variadic = false;
 };
 

@@ -62,6 +62,7 @@ void Checker::gatherCandidates(std::string_view name, Position position, std::ve
     candidate.parameters = overload->parameters;
     candidate.variadic = overload->variadic;
     candidate.arrays = overload->arrays;
+    candidate.any = overload->any;
     addCandidate(candidates, std::move(candidate));
   }
   for (const ClosureRow* row : findClosures(name)) {
@@ -109,6 +110,9 @@ int Checker::scoreCandidate(const Candidate& candidate, const std::vector<Expres
       one = 1;
     } else if ((candidate.arrays >> i & 1u) != 0) {
       one = types[i].isArray() ? 1 : 0;
+    } else if ((candidate.any >> i & 1u) != 0) {
+      const bool isValue = !types[i].closure && types[i].base != BaseType::structure && types[i].base != BaseType::none;
+      one = isValue ? 1 : 0;
     } else if (std::holds_alternative<InitializerList>(arguments[i]->node)) {
       one = listFits(*arguments[i], candidate.parameters[i]) ? 23 : 0;
     } else {
@@ -216,8 +220,8 @@ void Checker::bindArguments(const Candidate& candidate, std::vector<ExpressionPt
                                              : candidate.builtin && (candidate.builtin->outputs >> i & 1u) != 0;
     if (!isOutput) continue;
     if (!checkWritable(argument)) continue;
-    const bool sameKind =
-        argument.type.element() == formal.element() || (argument.type.isTriple() && formal.isTriple());
+    const bool sameKind = formal == types::none || argument.type.element() == formal.element() ||
+                          (argument.type.isTriple() && formal.isTriple());
     if (!sameKind && !isPoisoned(argument.type)) {
       error(argument.position,
             "an output argument must be a variable of type " + toString(formal) + ", not " + toString(argument.type));

@@ -59,6 +59,7 @@ class Checker {
     std::vector<Type> parameters;
     bool variadic = false;
     std::uint32_t arrays = 0;
+    std::uint32_t any = 0;
     int score = 0;
     int resultScore = 0;
   };

@@ -45,6 +45,7 @@ std::vector<Value> Lowerer::lowerArguments(const Call& called) {
 Value Lowerer::lowerBuiltin(const Expression& expression, const Call& called) {
   const BuiltinOverload& overload = *called.builtin;
   if (overload.row->kind == BuiltinKind::special) return lowerSpecial(expression, called);
+  if (overload.row->kind == BuiltinKind::host) return lowerHostCall(expression, called);
   const std::vector<Value> arguments = lowerArguments(called);
   position_ = expression.position;
   if (overload.row->kind == BuiltinKind::componentwise)
@@ -91,7 +92,8 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
     append(Op::leave).scopeId = frames_.front().scopeId;
     return {result, {}};
   }
-  return lowerStringFunction(expression, called);
+  if (name == "concat") return lowerConcat(expression, called);
+  return lowerFormat(expression, called);
 }
 
 Value Lowerer::lowerSelect(const Type& type, const std::vector<Value>& arguments) {

@@ -1,74 +1,18 @@
-// printf and its kin, and functions of strings: strings exist when a shader is compiled, not when it runs, except as
-// whole values. So formats are constants, and what makes new strings needs constant arguments.
+// printf and its kin, format, and concat. A format that is known here is checked and taken apart here; any other is the
+// host's when the shader runs.
 #include <algorithm>
-#include <charconv>
-#include <cstdio>
 #include <string_view>
 
+#include "core/lang/format_text.h"
 #include "core/lang/lowerer.h"
 
 namespace aerosol::lang {
 
 namespace {
 
-/// One piece of a format string: text as it is, or a conversion such as "%-6.2f".
-struct FormatPiece {
-  std::string text;
-  char conversion = 0;  ///< 0 for plain text ("%%" is plain).
-};
-
-/// Nothing when a conversion is malformed.
-std::optional<std::vector<FormatPiece>> splitFormat(std::string_view format) {
-  std::vector<FormatPiece> pieces;
-  std::string plain;
-  for (std::size_t i = 0; i < format.size(); ++i) {
-    if (format[i] != '%') {
-      plain += format[i];
-      continue;
-    }
-    if (i + 1 < format.size() && format[i + 1] == '%') {
-      plain += "%%";
-      ++i;
-      continue;
-    }
-    const std::size_t end = format.find_first_not_of("-+ #0123456789.", i + 1);
-    if (end == std::string_view::npos) return std::nullopt;
-    const char conversion = format[end];
-    if (std::string_view("dioxXcufFgGeEsaAmnpv").find(conversion) == std::string_view::npos) return std::nullopt;
-    if (std::string_view("mnpv").find(conversion) != std::string_view::npos) return std::nullopt;
-    if (end - i > 24) return std::nullopt;
-    if (!plain.empty()) pieces.push_back({std::move(plain), 0});
-    plain.clear();
-    pieces.push_back({std::string(format.substr(i, end - i + 1)), conversion});
-    i = end;
-  }
-  if (!plain.empty()) pieces.push_back({std::move(plain), 0});
-  return pieces;
-}
-
-bool isIntConversion(char c) { return std::string_view("dioxXcu").find(c) != std::string_view::npos; }
-
-/// The kind of scalar that a conversion shows.
-BaseType kindOf(char conversion) {
-  if (conversion == 's') return BaseType::string;
-  return isIntConversion(conversion) ? BaseType::integer : BaseType::floating;
-}
-
-std::string show(const FormatPiece& piece, const Constant& value) {
-  char buffer[512];
-  // The conversion was checked by splitFormat and matches the kind of the value.
-#pragma clang diagnostic push
-#pragma clang diagnostic ignored "-Wformat-nonliteral"
-  if (value.type == types::integer) {
-    std::snprintf(buffer, sizeof buffer, piece.text.c_str(), value.asInt());
-  } else if (value.type == types::string) {
-    if (piece.text == "%s") return value.asString();
-    std::snprintf(buffer, sizeof buffer, piece.text.c_str(), value.asString().c_str());
-  } else {
-    std::snprintf(buffer, sizeof buffer, piece.text.c_str(), static_cast<double>(value.asFloat()));
-  }
-#pragma clang diagnostic pop
-  return buffer;
+BaseType baseOf(FormatKind kind) {
+  if (kind == FormatKind::string) return BaseType::string;
+  return kind == FormatKind::integer ? BaseType::integer : BaseType::floating;
 }
 
 }  // namespace
@@ -91,15 +35,12 @@ void Lowerer::scalarsOf(const Value& value, std::vector<VariableId>& scalars) {
   }
 }
 
-/// The format with one conversion for each scalar (a triple's three are separated by spaces), and those scalars.
-std::optional<std::string> Lowerer::expandFormat(const Call& called, std::vector<VariableId>& scalars) {
-  const Position at = called.arguments[0]->position;
-  const auto format = constantOf(lower(*called.arguments[0]).single());
-  if (!format) {
-    error(at, "the format of '" + called.name + "' must be a constant string");
-    return std::nullopt;
-  }
-  const auto pieces = splitFormat(format->asString());
+/// The format, which is the value of argument number `first`, with one conversion for each scalar (a triple's three are
+/// separated by spaces), and those scalars.
+std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t first, std::string_view format,
+                                                 std::vector<VariableId>& scalars) {
+  const Position at = called.arguments[first]->position;
+  const auto pieces = splitFormat(format);
   if (!pieces) {
     error(at, "malformed format string",
           {"conversions are %d %i %o %x %c for int, %f %g %e for float, triples and matrices, %s for strings, and %% "
@@ -107,7 +48,7 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::vector
     return std::nullopt;
   }
   std::string expanded;
-  std::size_t next = 1;
+  std::size_t next = first + 1;
   for (const FormatPiece& piece : *pieces) {
     if (piece.conversion == 0) {
       expanded += piece.text;
@@ -118,11 +59,10 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::vector
       return std::nullopt;
     }
     const Expression& argument = *called.arguments[next++];
-    const Value value = lower(argument);
     std::vector<VariableId> parts;
-    scalarsOf(value, parts);
+    scalarsOf(protect(lower(argument), std::span(called.arguments).subspan(next)), parts);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      BaseType kind = kindOf(piece.conversion);
+      const BaseType kind = baseOf(kindOf(piece.conversion));
       if (typeOf(parts[i]) == types::integer && kind == BaseType::floating)
         parts[i] = emit(Op::toFloat, types::floating, {parts[i]});
       if (typeOf(parts[i]).closure || typeOf(parts[i]).base != kind) {
@@ -141,11 +81,56 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::vector
   return expanded;
 }
 
+/// The text by the format that is argument number `first` and lowered already.
+VariableId Lowerer::formatted(const Call& called, std::size_t first, VariableId format, Position position) {
+  std::vector<VariableId> arguments = {format};
+  if (const auto known = constantOf(format)) {
+    const auto expanded = expandFormat(called, first, known->asString(), arguments);
+    if (!expanded) return constantString("");
+    arguments[0] = constantString(*expanded);
+  } else {
+    for (std::size_t i = first + 1; i < called.arguments.size(); ++i) {
+      const Value value = protect(lower(*called.arguments[i]), std::span(called.arguments).subspan(i + 1));
+      if (value.leaves.size() != 1 || value.type.closure) {
+        error(called.arguments[i]->position, "a format cannot show a value of type " + toString(value.type));
+        return constantString("");
+      }
+      arguments.push_back(value.single());
+    }
+  }
+  position_ = position;
+  return callHost("format", types::string, std::move(arguments), {});
+}
+
+Value Lowerer::lowerFormat(const Expression& expression, const Call& called) {
+  const VariableId format = protect(lower(*called.arguments[0]), std::span(called.arguments).subspan(1)).single();
+  return {types::string, {formatted(called, 0, format, expression.position)}};
+}
+
+Value Lowerer::lowerConcat(const Expression& expression, const Call& called) {
+  const std::vector<Value> values = lowerArguments(called);
+  std::vector<VariableId> strings;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(values[i].type == types::string)) {
+      error(called.arguments[i]->position, "concat takes strings only");
+      return zeroValue(types::string);
+    }
+    strings.push_back(values[i].single());
+  }
+  position_ = expression.position;
+  return {types::string, {callHost("concat", types::string, std::move(strings), {})}};
+}
+
 Value Lowerer::lowerMessage(const Expression& expression, const Call& called) {
+  const VariableId format = protect(lower(*called.arguments[0]), std::span(called.arguments).subspan(1)).single();
   std::vector<VariableId> arguments = {noVariable};
-  const auto format = expandFormat(called, arguments);
-  if (!format) return {types::none, {}};
-  arguments[0] = constantString(*format);
+  if (const auto known = constantOf(format)) {
+    const auto expanded = expandFormat(called, 0, known->asString(), arguments);
+    if (!expanded) return {types::none, {}};
+    arguments[0] = constantString(*expanded);
+  } else {
+    arguments = {constantString("%s"), formatted(called, 0, format, expression.position)};
+  }
   position_ = expression.position;
   const std::string_view name = called.builtin->row->name;
   const MessageKind kind = name == "printf"    ? MessageKind::print
@@ -155,91 +140,6 @@ Value Lowerer::lowerMessage(const Expression& expression, const Call& called) {
   instruction.function = static_cast<std::uint32_t>(kind);
   instruction.arguments = std::move(arguments);
   return {types::none, {}};
-}
-
-namespace {
-
-/// The number at the beginning of a text, or 0.
-template <class Number>
-Number numberAt(const std::string& text) {
-  const char* begin = text.c_str() + std::min(text.find_first_not_of(" \t\n"), text.size());
-  if (*begin == '+') ++begin;
-  Number number = 0;
-  const auto parsed = std::from_chars(begin, text.c_str() + text.size(), number);
-  return parsed.ec == std::errc() ? number : Number{0};
-}
-
-/// A function of strings that is neither format nor concat.
-Constant stringFunction(std::string_view name, const std::vector<Constant>& values) {
-  const std::string& text = values[0].asString();
-  const auto length = static_cast<std::int64_t>(text.size());
-  if (name == "strlen") return Constant::ofInt(static_cast<std::int32_t>(length));
-  if (name == "startswith") return Constant::ofInt(text.starts_with(values[1].asString()) ? 1 : 0);
-  if (name == "endswith") return Constant::ofInt(text.ends_with(values[1].asString()) ? 1 : 0);
-  if (name == "stoi") return Constant::ofInt(numberAt<std::int32_t>(text));
-  if (name == "stof") return Constant::ofFloat(numberAt<float>(text));
-  std::int64_t at = values[1].asInt();
-  if (name == "getchar") {
-    const bool inside = at >= 0 && at < length;
-    return Constant::ofInt(inside ? static_cast<unsigned char>(text[static_cast<std::size_t>(at)]) : 0);
-  }
-  if (at < 0) at += length;
-  at = std::clamp<std::int64_t>(at, 0, length);
-  const std::int64_t wanted = values.size() > 2 ? std::max(values[2].asInt(), 0) : length;
-  return Constant::ofString(text.substr(static_cast<std::size_t>(at), static_cast<std::size_t>(wanted)));
-}
-
-}  // namespace
-
-Value Lowerer::refuseStrings(const Call& called, Position position) {
-  error(position, "'" + called.name + "' needs constant arguments: strings are not made while a shader runs");
-  return zeroValue(called.builtin->result);
-}
-
-Value Lowerer::lowerFormat(const Expression& expression, const Call& called) {
-  std::vector<VariableId> scalars;
-  const auto format = expandFormat(called, scalars);
-  if (!format) return zeroValue(types::string);
-  std::string text;
-  std::size_t next = 0;
-  const auto pieces = splitFormat(*format);
-  for (const FormatPiece& piece : *pieces) {
-    if (piece.conversion == 0) {
-      for (std::size_t i = 0; i < piece.text.size(); ++i) {
-        text += piece.text[i];
-        if (piece.text[i] == '%') ++i;
-      }
-      continue;
-    }
-    const auto value = constantOf(scalars[next++]);
-    if (!value) return refuseStrings(called, expression.position);
-    text += show(piece, *value);
-  }
-  return {types::string, {constantString(text)}};
-}
-
-Value Lowerer::lowerStringFunction(const Expression& expression, const Call& called) {
-  const std::string_view name = called.builtin->row->name;
-  if (name == "format") return lowerFormat(expression, called);
-  const std::vector<Value> arguments = lowerArguments(called);
-  std::vector<Constant> values;
-  std::string joined;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const Position position = called.arguments[i]->position;
-    auto value = arguments[i].leaves.size() == 1 ? constantOf(arguments[i].single()) : std::nullopt;
-    if (!value) return refuseStrings(called, position);
-    if (name == "concat") {
-      if (!(value->type == types::string)) {
-        error(position, "concat takes strings only");
-        return zeroValue(types::string);
-      }
-      joined += value->asString();
-    }
-    values.push_back(std::move(*value));
-  }
-  if (name == "concat") return {types::string, {constantString(joined)}};
-  const Constant result = stringFunction(name, values);
-  return {result.type, {constant(result)}};
 }
 
 }  // namespace aerosol::lang

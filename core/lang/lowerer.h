@@ -176,11 +176,23 @@ class Lowerer {
 
   // lower_messages.cpp
   Value lowerMessage(const Expression& expression, const Call& call);
-  Value lowerStringFunction(const Expression& expression, const Call& call);
-  Value lowerFormat(const Expression& expression, const Call& call);
-  Value refuseStrings(const Call& call, Position position);
-  std::optional<std::string> expandFormat(const Call& call, std::vector<VariableId>& scalars);
+  Value lowerConcat(const Expression& expression, const Call& called);
+  Value lowerFormat(const Expression& expression, const Call& called);
+  VariableId formatted(const Call& called, std::size_t first, VariableId format, Position position);
+  std::optional<std::string> expandFormat(const Call& called, std::size_t first, std::string_view format,
+                                          std::vector<VariableId>& scalars);
   void scalarsOf(const Value& value, std::vector<VariableId>& scalars);
+
+  // lower_host.cpp
+  struct HostUse {
+    std::uint32_t outputs = 0;
+    std::uint8_t traits = 0;
+    bool pure = true;
+  };
+  VariableId callHost(const std::string& function, const Type& result, std::vector<VariableId> arguments, HostUse use);
+  std::optional<Constant> foldHostCall(const std::string& function, const Type& result,
+                                       std::span<const VariableId> arguments) const;
+  Value lowerHostCall(const Expression& expression, const Call& called);
 
   // lower_closures.cpp
   Value lowerClosure(const Expression& expression, const Call& call);

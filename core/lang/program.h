@@ -123,12 +123,24 @@ using Code = std::vector<Instruction>;
 
 enum class MessageKind : std::uint8_t { print, warning, error };
 
+/// What a function of the host has to do with more than its arguments.
+enum HostTrait : std::uint8_t {
+  dependsOnPoint = 1,  ///< Its results may differ between points although the arguments do not.
+  readsMessages = 2,   ///< Reads what setmessage and its like left.
+  writesMessages = 4,  ///< Leaves something for those.
+};
+
 /// A library function as called: `symbol` is its name in the run-time library without the domain's prefix, such as
-/// `perlin_f_v` (see builtins.h). Pure functions may be dropped, moved and repeated.
+/// `perlin_f_v` (see builtins.h), or the name of a function of the host. Pure functions may be dropped, moved and
+/// repeated.
 struct FunctionUse {
   std::string symbol;
   bool pure = true;
   std::uint32_t outputs = 0;  ///< Bit i set: arguments[i] is written. (The result is separate.)
+  bool host = false;          ///< Answered by the host (AerosolHostServices::call), not by the run-time library.
+  std::uint8_t traits = 0;    ///< HostTrait bits.
+
+  bool dependsOnArgumentsAlone() const { return pure && (traits & (dependsOnPoint | readsMessages)) == 0; }
 };
 
 /// A closure constructor as it stands in the source.

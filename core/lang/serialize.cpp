@@ -26,7 +26,7 @@ static void describe(A& archive, Instruction& i) {
 }
 template <class A>
 static void describe(A& archive, FunctionUse& f) {
-  archive(f.symbol, f.pure, f.outputs);
+  archive(f.symbol, f.pure, f.outputs, f.host, f.traits);
 }
 template <class A>
 static void describe(A& archive, ClosureSite& s) {

@@ -10,7 +10,7 @@
 namespace aerosol::lang {
 
 /// Counts up whenever the layout of a program changes.
-inline constexpr std::uint32_t programFormatVersion = 1;
+inline constexpr std::uint32_t programFormatVersion = 2;
 
 std::string serialise(const Program& program);
 

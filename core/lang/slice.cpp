@@ -56,9 +56,13 @@ class Slicer {
       default: {
         bool written = false;
         forEachWritten(program_, instruction, [&](VariableId id) { written = written || needed_[id]; });
-        return written;
+        return written || (readsMessages_ && (traitsOf(instruction) & writesMessages) != 0);
       }
     }
+  }
+
+  std::uint8_t traitsOf(const Instruction& instruction) const {
+    return instruction.op == Op::call ? program_.functions[instruction.function].traits : std::uint8_t{0};
   }
 
   bool bodiesNeeded(const Instruction& instruction) const {
@@ -81,6 +85,7 @@ class Slicer {
         kept_.insert(&*instruction);
         changed_ = true;
         for (const VariableId argument : instruction->arguments) need(argument);
+        readsMessages_ = readsMessages_ || (traitsOf(*instruction) & readsMessages) != 0;
         if (updatesResult(instruction->op)) need(instruction->result);
       }
     }
@@ -112,6 +117,7 @@ class Slicer {
   std::vector<bool> needed_;  ///< By variable.
   std::unordered_set<const Instruction*> kept_;
   std::vector<const Instruction*> loops_, scopes_;  ///< Around the current instruction.
+  bool readsMessages_ = false;                      ///< Something that is kept reads what setmessage left.
   bool changed_ = false;
 };
 

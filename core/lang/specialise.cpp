@@ -8,6 +8,7 @@
 
 #include "core/lang/analysis.h"
 #include "core/lang/fold.h"
+#include "core/lang/pure_functions.h"
 
 namespace aerosol::lang {
 
@@ -223,8 +224,9 @@ class Specialiser {
 
   /// A variable that has the value of the instruction's result.
   std::optional<VariableId> result(const Instruction& instruction) {
-    if (instruction.result == noVariable || instruction.op == Op::call) return std::nullopt;
+    if (instruction.result == noVariable) return std::nullopt;
     const Type type = program_.variables[instruction.result].type;
+    if (instruction.op == Op::call) return hostCall(instruction, type);
     const auto& arguments = instruction.arguments;
     if (instruction.op == Op::assign || instruction.op == Op::select) return choice(instruction, type);
     std::vector<Constant> values;
@@ -242,6 +244,19 @@ class Specialiser {
     const auto folded = foldOperation(instruction.op, type, pointers, previous ? &*previous : nullptr);
     if (!folded) return std::nullopt;
     return constant(*folded);
+  }
+
+  /// A function of the host that depends on its arguments alone.
+  std::optional<VariableId> hostCall(const Instruction& instruction, const Type& type) {
+    const FunctionUse& function = program_.functions[instruction.function];
+    if (!function.host || !function.dependsOnArgumentsAlone() || function.outputs != 0) return std::nullopt;
+    std::vector<Constant> values;
+    for (const VariableId argument : instruction.arguments) {
+      if (!isConstant(argument)) return std::nullopt;
+      values.push_back(valueOf(argument));
+    }
+    const auto folded = evaluateCall(function.symbol, type, values, 0);
+    return folded ? std::optional(constant(*folded)) : std::nullopt;
   }
 
   std::optional<VariableId> choice(const Instruction& instruction, const Type& type) {

@@ -5,22 +5,15 @@ namespace aerosol::render {
 void MessageLog::collect(shading::KernelHost& host, const shading::Batch& batch, std::span<const PendingQuestion> lanes,
                          std::span<PathContext* const> paths) {
   const jit::KernelInterface& interface = batch.interface();
-  const auto text = [&](std::uint64_t hash) {
-    if (const auto known = interface.strings.find(hash); known != interface.strings.end()) return known->second;
-    for (const auto& [key, value] : batch.family().strings) {
-      if (key == hash) return value;
-    }
-    return std::string();
-  };
+  const auto text = [&](std::uint64_t hash) { return host.calls().strings().text(hash); };
   std::vector<std::uint32_t> calls(lanes.size(), 0);
   const std::lock_guard lock(mutex_);
   for (const shading::Record& record : host.records()) {
-    if (record.lane >= lanes.size() || record.site >= interface.sites.size()) continue;
+    if (record.lane >= lanes.size()) continue;
     const PendingQuestion& from = lanes[record.lane];
     const PathContext& path = *paths[from.slot];
-    const jit::MessageSite& site = interface.sites[record.site];
-    messages_.insert({path.id(), path.questionNumber(from.question), calls[record.lane]++, site.kind, site.location,
-                      shading::describe(record, site, text)});
+    messages_.insert({path.id(), path.questionNumber(from.question), calls[record.lane]++, record.kind,
+                      shading::locationOf(record, interface), shading::describe(record, interface, text)});
     if (messages_.size() > maximum_) {
       messages_.erase(std::prev(messages_.end()));
       ++dropped_;

@@ -21,10 +21,19 @@ const NamedSpaces::Space* NamedSpaces::find(std::uint64_t nameHash) const {
 }
 
 const AerosolHostServices KernelHost::services_{sizeof(AerosolHostServices), &KernelHost::record,
-                                                &KernelHost::spaceToWorld, &KernelHost::worldToSpace};
+                                                &KernelHost::spaceToWorld, &KernelHost::worldToSpace,
+                                                &KernelHost::call};
 
 KernelHost::KernelHost(const NamedSpaces& spaces, std::uint32_t loopBudget)
-    : context_{{&services_, {0, 0}, loopBudget}, this}, spaces_(spaces) {}
+    : context_{{&services_, {0, 0}, loopBudget}, this},
+      spaces_(spaces),
+      calls_([this](std::uint32_t site, std::uint32_t point, std::string_view text) {
+        AerosolRecordValue value;
+        value.s = calls_.strings().add(text);
+        records_.push_back({AEROSOL_REPORT_HOST, site, point, {value}});
+      }) {}
+
+void KernelHost::call(AerosolKernelContext* context, const AerosolHostCall* call) { of(context).calls_.call(*call); }
 
 void KernelHost::record(AerosolKernelContext* context, std::uint32_t kind, std::uint32_t site, std::uint32_t lane,
                         const AerosolRecordValue* arguments, std::uint32_t count) {

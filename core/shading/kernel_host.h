@@ -9,6 +9,7 @@
 #include "core/base/geometry.h"
 #include "core/jit/kernel_interface.h"
 #include "core/lang/abi.h"
+#include "core/shading/host_functions.h"
 
 namespace aerosol::shading {
 
@@ -49,6 +50,9 @@ class KernelHost {
   /// The records since the last call, in call order. The caller empties them.
   std::vector<Record>& records() { return records_; }
 
+  /// Answers the kernel's calls of host functions.
+  HostCalls& calls() { return calls_; }
+
  private:
   struct Context {
     AerosolKernelContext base;  // First: kernels and services see its address.
@@ -62,10 +66,13 @@ class KernelHost {
   static std::int32_t worldToSpace(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance,
                                    float time, float* matrix);
 
+  static void call(AerosolKernelContext* context, const AerosolHostCall* call);
+
   static const AerosolHostServices services_;
   Context context_;
   const NamedSpaces& spaces_;
   std::vector<Record> records_;
+  HostCalls calls_;
 };
 
 }  // namespace aerosol::shading

@@ -3,21 +3,23 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "core/shading/kernel_host.h"
 
 namespace aerosol::shading {
 
 /// The text of a string in shaders by its hash.
-using StringLookup = std::function<std::string(std::uint64_t)>;
+using StringLookup = std::function<std::string_view(std::uint64_t)>;
 
-/// Printf text: %d %i %o %x %X %c for ints, %e %f %g (and capitals) for floats, triples and matrices (components
-/// separated by blanks), %s for strings and any other type, %% for a percent sign. A directive without an argument, or
-/// one that does not fit its argument, falls back to the argument's natural form. Array arguments print all elements.
+/// A message's text by its format (see lang::formatText). `values` are the components of arguments of these types.
 std::string formatMessage(const std::string& format, const std::vector<lang::Type>& types,
                           const std::vector<AerosolRecordValue>& values, const StringLookup& text);
 
 /// The whole text of a record: a message's own, or the sentence for a report.
-std::string describe(const Record& record, const jit::MessageSite& site, const StringLookup& text);
+std::string describe(const Record& record, const jit::KernelInterface& interface, const StringLookup& text);
+
+/// Where in the source it was left.
+const SourceLocation& locationOf(const Record& record, const jit::KernelInterface& interface);
 
 }  // namespace aerosol::shading

@@ -10,6 +10,7 @@
 
 #include "core/base/hash.h"
 #include "core/lang/compile.h"
+#include "core/shading/host_functions.h"
 #include "tests/language/language_case.h"
 #include "tests/unit/jit/kernel_runner.h"
 
@@ -96,24 +97,42 @@ std::string nameOf(const lang::Program& program, const OutputComponent& output) 
   return {};
 }
 
-/// Strings by hash: those of the kernel, and those that the instance gives.
-using Texts = std::map<std::uint64_t, std::string>;
+/// Host functions as a renderer answers them.
+class Answers final : public HostAnswers {
+ public:
+  Answers()
+      : calls_([this](std::uint32_t site, std::uint32_t point, std::string_view text) {
+          report_(site, point, calls_.strings().add(text));
+        }) {}
 
-std::string textOf(const Texts& texts, std::uint64_t hash) {
-  if (hash == 0) return {};
-  const auto found = texts.find(hash);
-  return found == texts.end() ? "unknown string" : found->second;
-}
+  void begin(const KernelInterface& interface, std::size_t count, Report report) override {
+    report_ = std::move(report);
+    calls_.begin(interface, &ofInstance, count);
+  }
+  void call(const AerosolHostCall& call) override { calls_.call(call); }
+
+  /// Of all strings of the last run.
+  std::string text(std::uint64_t hash) const {
+    const std::string_view text = calls_.strings().text(hash);
+    return hash != 0 && text.empty() ? "unknown string" : std::string(text);
+  }
+
+  shading::StringList ofInstance;
+
+ private:
+  Report report_;
+  shading::HostCalls calls_;
+};
 
 std::map<std::string, Read> readOutputs(const lang::Program& program, const KernelInterface& interface,
-                                        const Texts& texts, const Outcome& outcome, std::size_t point) {
+                                        const Answers& answers, const Outcome& outcome, std::size_t point) {
   std::map<std::string, Read> result;
   for (std::size_t i = 0; i < interface.outputs.size(); ++i) {
     const OutputComponent& output = interface.outputs[i];
     const std::uint64_t bits = outcome.outputs[i][point];
     Read& read = result[nameOf(program, output)];
     if (output.type == BaseType::string) {
-      read.texts.push_back(textOf(texts, bits));
+      read.texts.push_back(answers.text(bits));
     } else if (output.type == BaseType::integer) {
       read.numbers.push_back(static_cast<float>(std::bit_cast<std::int32_t>(static_cast<std::uint32_t>(bits))));
     } else {
@@ -124,11 +143,12 @@ std::map<std::string, Read> readOutputs(const lang::Program& program, const Kern
 }
 
 /// A record as the tests write it: "print: text", "index: i n".
-std::string messageOf(const KernelInterface& interface, const Texts& texts, const Record& record) {
+std::string messageOf(const KernelInterface& interface, const Answers& answers, const Record& record) {
   const auto asInt = [&](std::size_t i) {
     return std::bit_cast<std::int32_t>(static_cast<std::uint32_t>(record.values.at(i)));
   };
   if (record.kind == AEROSOL_REPORT_BUDGET) return "budget";
+  if (record.kind == AEROSOL_REPORT_HOST) return "host: " + answers.text(record.values.at(0));
   if (record.kind == AEROSOL_REPORT_INDEX) return "index: " + std::to_string(asInt(0)) + " " + std::to_string(asInt(1));
   static constexpr std::array<const char*, 3> kinds = {"print: ", "warning: ", "error: "};
   std::string text = kinds.at(record.kind);
@@ -157,7 +177,7 @@ std::string messageOf(const KernelInterface& interface, const Texts& texts, cons
     if (type == BaseType::integer) {
       std::snprintf(buffer, sizeof buffer, piece.c_str(), asInt(next));
     } else if (type == BaseType::string) {
-      std::snprintf(buffer, sizeof buffer, piece.c_str(), textOf(texts, record.values.at(next)).c_str());
+      std::snprintf(buffer, sizeof buffer, piece.c_str(), answers.text(record.values.at(next)).c_str());
     } else {
       const float value = std::bit_cast<float>(static_cast<std::uint32_t>(record.values.at(next)));
       std::snprintf(buffer, sizeof buffer, piece.c_str(), static_cast<double>(value));
@@ -242,21 +262,23 @@ class Language : public ::testing::TestWithParam<std::filesystem::path> {
     return batch;
   }
 
-  Texts textsFor(const Kernel& kernel) const {
-    Texts texts = kernel.interface().strings;
+  /// Runs it with the strings that the instance gives.
+  Outcome run(const Kernel& kernel, const Batch& batch) {
+    answers_.ofInstance.clear();
     const auto add = [&](const lang::ConstantValue& value) {
       if (const auto* strings = std::get_if<std::vector<std::string>>(&value))
-        for (const std::string& text : *strings) texts[hashString(text)] = text;
+        for (const std::string& text : *strings) answers_.ofInstance.emplace_back(hashString(text), text);
     };
     for (const lang::Parameter& parameter : program_->parameters) add(parameter.defaultValue);
     for (const lang::ConstantValue& value : values_) add(value);
-    return texts;
+    return test::run(kernel, batch, {}, &answers_);
   }
 
   LanguageCase test_;
   std::shared_ptr<const lang::Program> program_;
   Values values_;
   Batch batch_;
+  Answers answers_;
   std::vector<std::size_t> places_;  ///< By place in the batch: the test's point, or their number.
 };
 
@@ -267,15 +289,14 @@ TEST_P(Language, GivesWhatItsCommentsSayAtEveryWidth) {
       SCOPED_TRACE("width " + std::to_string(width) + (folded ? ", folded" : ""));
       const Kernel code = kernel(width, folded);
       const Outcome outcome = run(code, batchFor(code));
-      const Texts texts = textsFor(code);
       for (std::size_t at = 0; at < batchSize; ++at) {
         if (places_[at] >= test_.points.size()) continue;
         const LanguagePoint& point = test_.points[places_[at]];
-        const auto outputs = readOutputs(*program_, code.interface(), texts, outcome, at);
+        const auto outputs = readOutputs(*program_, code.interface(), answers_, outcome, at);
         for (const LanguageExpectation& expectation : point.expectations) expectValue(expectation, outputs);
         std::vector<std::string> messages;
         for (const Record& record : outcome.recordsOf(at))
-          messages.push_back(messageOf(code.interface(), texts, record));
+          messages.push_back(messageOf(code.interface(), answers_, record));
         EXPECT_EQ(messages, point.messages);
         if (HasFailure()) return;
       }

@@ -44,6 +44,7 @@ struct Host {
   AerosolKernelContext context{};
   const KernelInterface* interface = nullptr;
   const HostSpaces* spaces = nullptr;
+  HostAnswers* answers = nullptr;
   std::vector<Record> records;
 };
 
@@ -76,6 +77,11 @@ std::int32_t spaceService(AerosolKernelContext* context, std::uint64_t name, std
   matrix[3] += time;
   matrix[7] += static_cast<float>(instance);
   return 1;
+}
+
+void callService(AerosolKernelContext* context, const AerosolHostCall* call) {
+  ASSERT_TRUE(hostOf(context).answers) << "the kernel calls a host function";
+  hostOf(context).answers->call(*call);
 }
 
 }  // namespace
@@ -123,7 +129,7 @@ std::uint64_t canonical(std::uint64_t bits, lang::BaseType type) {
   return x != x ? 0x7fc00000u : bits;
 }
 
-Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces) {
+Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces, HostAnswers* answers) {
   const KernelInterface& interface = kernel.interface();
   std::vector<Padded> arrays;
   std::vector<const float*> globals;
@@ -151,11 +157,18 @@ Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces) 
   services.record = &recordService;
   services.spaceToWorld = &spaceService;
   services.worldToSpace = &spaceService;
+  services.call = &callService;
   Host host;
   host.context.services = &services;
   host.context.loopBudget = batch.loopBudget;
   host.interface = &interface;
   host.spaces = &spaces;
+  host.answers = answers;
+  if (answers) {
+    answers->begin(interface, batch.count, [&](std::uint32_t site, std::uint32_t point, std::uint64_t text) {
+      host.records.push_back({AEROSOL_REPORT_HOST, interface.hostSites.at(site).location.line, point, {text}});
+    });
+  }
   const Padded instances = padded(batch.instances, batch.count);
   const Padded active = padded(batch.active, batch.count);
   const Padded instanceData = padded(batch.instanceData, batch.instanceData.size());

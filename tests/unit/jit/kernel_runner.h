@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -54,7 +55,18 @@ inline constexpr std::uint64_t untouched = 0x7badbadb;
 /// Matrices that the host gives for space names, by hash.
 using HostSpaces = std::map<std::uint64_t, std::array<float, 12>>;
 
-Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces = {});
+/// Answers calls of host functions. None by default: kernels that call some need one.
+class HostAnswers {
+ public:
+  /// Leaves a report of a host site about a point: the hash of its text.
+  using Report = std::function<void(std::uint32_t site, std::uint32_t point, std::uint64_t text)>;
+
+  virtual ~HostAnswers() = default;
+  virtual void begin(const KernelInterface& interface, std::size_t count, Report report) = 0;
+  virtual void call(const AerosolHostCall& call) = 0;
+};
+
+Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces = {}, HostAnswers* answers = nullptr);
 
 /// n boxes of points.
 struct Boxes {

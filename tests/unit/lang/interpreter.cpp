@@ -7,6 +7,9 @@
 #include <cstdio>
 #include <functional>
 
+#include "core/lang/pure_functions.h"
+#include "core/lang/uniformity.h"
+
 namespace aerosol::lang::testing {
 
 namespace {
@@ -298,6 +301,7 @@ class Interpreter {
     const auto put = [&](VariableId id, ConstantValue value) {
       values_[id] = {program_.variables[id].type, std::move(value)};
     };
+    if (const FunctionUse& function = program_.functions[i.function]; function.host) return hostCall(i, function);
     Floats all;
     for (const VariableId id : i.arguments)
       if (const auto* some = std::get_if<Floats>(&values_[id].value)) all.insert(all.end(), some->begin(), some->end());
@@ -343,6 +347,17 @@ class Interpreter {
     if (symbol == "determinant_f_m") return put(i.result, Floats{determinant(all)});
     if (symbol == "getmatrix_i_ssm") return spaces(i);
     ADD_FAILURE() << "the interpreter has no function " << symbol;
+  }
+
+  void hostCall(const Instruction& i, const FunctionUse& function) {
+    std::vector<Constant> arguments;
+    for (const VariableId id : i.arguments) arguments.push_back(values_[id]);
+    const Type type = i.result == noVariable ? types::none : program_.variables[i.result].type;
+    const auto result = evaluateCall(function.symbol, type, arguments, function.outputs);
+    ASSERT_TRUE(result) << "the interpreter has no function " << function.symbol;
+    if (i.result != noVariable) values_[i.result] = *result;
+    for (std::size_t k = 0; k < arguments.size(); ++k)
+      if (writesArgument(program_, i, k)) values_[i.arguments[k]] = arguments[k];
   }
 
   static float determinant(const Floats& m) {

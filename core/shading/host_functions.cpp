@@ -1,0 +1,83 @@
+#include "core/shading/host_functions.h"
+
+#include <array>
+#include <bit>
+#include <exception>
+#include <span>
+#include <utility>
+
+namespace aerosol::shading {
+
+namespace {
+
+using Entry = std::pair<std::string_view, HostFunction>;
+constexpr std::span<const Entry> table{};
+
+/// The table of strings as one call sees it: what its points make is charged to them.
+class StringsOfCall final : public lang::Strings {
+ public:
+  StringsOfCall(const AerosolHostCall& raw, HostCalls& host) : raw_(raw), host_(host) {}
+
+  std::string_view text(std::uint64_t hash) const override { return host_.strings().text(hash); }
+
+  std::uint64_t add(std::string_view text, unsigned lane) override {
+    bool fits = true;
+    const std::uint32_t lanes = raw_.lanes == 1 ? raw_.active : 1u << lane;
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+      const std::uint32_t point = PointCall::pointOf(raw_, static_cast<unsigned>(std::countr_zero(left)));
+      const RuntimeStrings::Room room = host_.strings().charge(point, text.size());
+      fits = fits && room == RuntimeStrings::Room::enough;
+      if (room == RuntimeStrings::Room::usedUp)
+        host_.report(raw_.site, point, "strings take too much room: they are empty from here on");
+    }
+    return fits ? host_.strings().add(text) : 0;
+  }
+
+ private:
+  const AerosolHostCall& raw_;
+  HostCalls& host_;
+};
+
+}  // namespace
+
+HostFunction findHostFunction(std::string_view name) {
+  for (const auto& [known, function] : table)
+    if (known == name) return function;
+  return nullptr;
+}
+
+std::uint32_t PointCall::instance(unsigned lane) const {
+  const std::int32_t* instances = raw_.arguments->instances;
+  return instances ? static_cast<std::uint32_t>(instances[point(lane)]) : 0;
+}
+
+void PointCall::report(unsigned lane, std::string_view text) {
+  const std::uint32_t lanes = isUniform() ? active() : 1u << lane;
+  for (std::uint32_t left = lanes; left != 0; left &= left - 1)
+    host_.report(raw_.site, point(static_cast<unsigned>(std::countr_zero(left))), text);
+}
+
+void HostCalls::begin(const jit::KernelInterface& interface, const StringList* stringsOfInstances, std::size_t count) {
+  interface_ = &interface;
+  functions_.clear();
+  for (const lang::HostSite& site : interface.hostSites)
+    functions_.push_back({lang::findPureFunction(site.function), findHostFunction(site.function)});
+  strings_.begin(interface, stringsOfInstances, count);
+}
+
+void HostCalls::call(const AerosolHostCall& raw) noexcept {
+  if (!interface_ || raw.site >= interface_->hostSites.size() || raw.active == 0) return;
+  const lang::HostSite& site = interface_->hostSites[raw.site];
+  try {
+    StringsOfCall strings(raw, *this);
+    PointCall call(raw, site, strings, *this);
+    const Function& function = functions_[raw.site];
+    if (function.pure) return function.pure(call);
+    if (function.other) return function.other(call);
+  } catch (const std::exception& error) {
+    // Out of memory, in all likelihood: the results stay what they were.
+    report_(raw.site, PointCall::pointOf(raw, static_cast<unsigned>(std::countr_zero(raw.active))), error.what());
+  }
+}
+
+}  // namespace aerosol::shading
