@@ -6,27 +6,12 @@
 #include <limits>
 #include <optional>
 
-#include "core/base/module.h"
-#include "core/image/module/table.h"
+#include "core/image/module_access.h"
 #include "core/image/pending_file.h"
 
 namespace aerosol::image {
 
 namespace {
-
-Result<const ModuleTable*> openTable() {
-  const auto module = openModule("aerosol_image");
-  if (!module) return module.errors();
-  const auto function = module->function<ModuleTableFunction>(moduleTableName);
-  if (!function) return function.errors();
-  return (*function)();
-}
-
-/// Opened by the first call.
-const Result<const ModuleTable*>& table() {
-  static const Result<const ModuleTable*> opened = openTable();
-  return opened;
-}
 
 Diagnostic fileError(const std::string& path, std::string message, std::vector<std::string> notes = {}) {
   return {Severity::error, {path, 0, 0}, std::move(message), {}, std::move(notes)};

@@ -4,6 +4,7 @@
 
 #include "core/image/module/files.h"
 #include "core/image/module/table.h"
+#include "core/image/module/textures.h"
 
 namespace aerosol::image {
 
@@ -20,7 +21,7 @@ std::vector<std::string> versions() {
 }  // namespace
 
 extern "C" __attribute__((visibility("default"))) const ModuleTable* aerosolImageModule() {
-  static constexpr ModuleTable table{writeFile, readFile, versions};
+  static constexpr ModuleTable table{writeFile, readFile, versions, makeTextures};
   return &table;
 }
 

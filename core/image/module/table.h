@@ -1,9 +1,11 @@
 // What the module of image libraries offers the program. Both are of one build; no function throws.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "core/base/texture_source.h"
 #include "core/image/image.h"
 
 namespace aerosol::image {
@@ -15,6 +17,8 @@ struct ModuleTable {
                        const WriteOptions& options, WriteReport& report);
   std::string (*read)(const std::string& path, ImageBuffer& image);
   std::vector<std::string> (*versions)();
+  /// Null, with a message, when the settings are refused.
+  std::unique_ptr<TextureSource> (*textures)(const TextureSettings& settings, std::string& message);
 };
 
 /// The name and type of the module's only exported function.
