@@ -14,6 +14,13 @@ pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
 pkg_check_modules(OpenColorIO REQUIRED IMPORTED_TARGET OpenColorIO)
 
+# OpenVDB with NanoVDB's headers. Debian has no package configuration for them; the headers convert ints to enums that
+# do not have such values.
+find_library(AEROSOL_OPENVDB_LIBRARY openvdb REQUIRED)
+add_library(aerosol_openvdb INTERFACE)
+target_link_libraries(aerosol_openvdb INTERFACE "${AEROSOL_OPENVDB_LIBRARY}" TBB::tbb PkgConfig::Imath)
+target_compile_options(aerosol_openvdb INTERFACE -Wno-enum-constexpr-conversion)
+
 # Embree 3 or 4, whichever is there; code tells them by RTC_VERSION_MAJOR and by AEROSOL_EMBREE_VERSION.
 add_library(aerosol_embree INTERFACE)
 find_package(embree 4 CONFIG QUIET)

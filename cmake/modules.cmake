@@ -16,6 +16,7 @@ endfunction()
 
 aerosol_module(aerosol_preprocessor core/lang/preprocessor aerosol_clang)
 aerosol_module(aerosol_image core/image/module PkgConfig::OpenImageIO PkgConfig::OpenColorIO)
+aerosol_module(aerosol_grid core/grid/module aerosol_openvdb)
 if(TARGET aerosol_preprocessor)
   set_target_properties(aerosol_preprocessor PROPERTIES JOB_POOL_COMPILE llvm)
 endif()

@@ -6,6 +6,7 @@
 
 #include "core/accel/scene.h"
 #include "core/base/library_versions.h"
+#include "core/grid/grid_file.h"
 #include "core/image/image.h"
 #include "core/jit/compiler.h"
 #include "core/jit/target.h"
@@ -36,10 +37,12 @@ ExitCode versionCommand(const Console& console) {
     errors.append(clang.errors());
   }
   libraries.push_back("Embree " + accel::version());
-  if (const auto image = image::libraryVersions()) {
-    libraries.insert(libraries.end(), image->begin(), image->end());
-  } else {
-    errors.append(image.errors());
+  for (const auto& versions : {image::libraryVersions(), grid::libraryVersions()}) {
+    if (versions) {
+      libraries.insert(libraries.end(), versions->begin(), versions->end());
+    } else {
+      errors.append(versions.errors());
+    }
   }
   libraries.push_back(scene::xmlLibraryVersion());
   for (std::string& library : baseLibraryVersions()) libraries.push_back(std::move(library));

@@ -1,0 +1,61 @@
+#include <nanovdb/NanoVDB.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+
+#include <exception>
+#include <fstream>
+#include <vector>
+
+#include "core/grid/module/nano_grid.h"
+#include "core/grid/module/table.h"
+
+namespace aerosol::grid {
+
+namespace {
+
+class File final : public VoxelFile {
+ public:
+  explicit File(std::vector<std::unique_ptr<VoxelGrid>> grids) : grids_(std::move(grids)) {}
+  std::span<const std::unique_ptr<VoxelGrid>> grids() const override { return grids_; }
+
+ private:
+  std::vector<std::unique_ptr<VoxelGrid>> grids_;
+};
+
+std::unique_ptr<const VoxelFile> read(const std::string& path, std::string& message) {
+  try {
+    openvdb::initialize();
+    // OpenVDB does not look whether its reads succeed: the stream does.
+    std::ifstream stream(path, std::ios::binary);
+    stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    std::vector<std::unique_ptr<VoxelGrid>> grids;
+    openvdb::io::Stream file(stream, false);
+    const auto all = file.getGrids();
+    for (const auto& grid : *all) grids.push_back(makeGrid(*grid));
+    if (grids.empty()) {
+      message = "the file has no grids";
+      return nullptr;
+    }
+    return std::make_unique<const File>(std::move(grids));
+  } catch (const std::ios_base::failure&) {
+    message = "cannot read the OpenVDB file: it ends too early or cannot be opened";
+  } catch (const std::exception& error) {
+    message = std::string("cannot read the OpenVDB file: ") + error.what();
+  }
+  return nullptr;
+}
+
+std::vector<std::string> versions() {
+  return {std::string("OpenVDB ") + openvdb::getLibraryVersionString(),
+          "NanoVDB " + std::to_string(NANOVDB_MAJOR_VERSION_NUMBER) + "." +
+              std::to_string(NANOVDB_MINOR_VERSION_NUMBER) + "." + std::to_string(NANOVDB_PATCH_VERSION_NUMBER)};
+}
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) const ModuleTable* aerosolGridModule() {
+  static constexpr ModuleTable table{read, versions};
+  return &table;
+}
+
+}  // namespace aerosol::grid

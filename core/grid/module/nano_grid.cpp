@@ -1,0 +1,220 @@
+#include "core/grid/module/nano_grid.h"
+
+#include <nanovdb/util/OpenToNanoVDB.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/grid/module/build_directory.h"
+#include "core/grid/module/lookup.h"
+#include "core/grid/module/range_query.h"
+#include "core/grid/module/scalar_lookup.h"
+
+namespace aerosol::grid {
+
+namespace {
+
+/// What can be said of any grid.
+VoxelGridInfo describe(const openvdb::GridBase& grid) {
+  VoxelGridInfo info;
+  info.name = grid.getName();
+  info.type = grid.saveFloatAsHalf() && grid.valueType() == "float" ? "half" : grid.valueType();
+  info.purpose = openvdb::GridBase::gridClassToMenuName(grid.getGridClass());
+  std::ranges::transform(info.purpose, info.purpose.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  info.activeVoxels = grid.activeVoxelCount();
+  info.memoryBytes = grid.memUsage();
+  const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();
+  info.isEmpty = info.activeVoxels == 0;
+  if (!info.isEmpty) {
+    for (std::size_t r = 0; r < 3; ++r) {
+      info.indexBounds[r] = box.min()[r];
+      info.indexBounds[3 + r] = box.max()[r];
+    }
+    const openvdb::BBoxd cells(box.min().asVec3d() - 0.5, box.max().asVec3d() + 0.5);
+    const openvdb::BBoxd bounds = grid.transform().indexToWorld(cells);
+    for (std::size_t r = 0; r < 3; ++r) {
+      info.bounds[r] = bounds.min()[static_cast<int>(r)];
+      info.bounds[3 + r] = bounds.max()[static_cast<int>(r)];
+    }
+  }
+  const openvdb::Vec3d voxel = grid.transform().voxelSize();
+  for (std::size_t r = 0; r < 3; ++r) info.voxelSize[r] = voxel[static_cast<int>(r)];
+  return info;
+}
+
+/// OpenVDB multiplies row vectors.
+std::array<double, 16> columnVectorMap(const openvdb::math::Mat4d& map) {
+  std::array<double, 16> result{};
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c) result[static_cast<std::size_t>(4 * r + c)] = map(c, r);
+  return result;
+}
+
+/// A grid of which nothing but its description is known.
+class DescribedGrid final : public VoxelGrid {
+ public:
+  explicit DescribedGrid(VoxelGridInfo info) : info_(std::move(info)) {}
+  const VoxelGridInfo& info() const override { return info_; }
+  void sample(VoxelInterpolation, std::size_t, const float*, const float*, const float*, float*) const override {}
+  VoxelRange range(VoxelInterpolation, const std::array<double, 3>&, const std::array<double, 3>&, int) const override {
+    return {};
+  }
+
+ private:
+  VoxelGridInfo info_;
+};
+
+template <class ValueT>
+class NanoGrid final : public VoxelGrid {
+ public:
+  static constexpr std::size_t channels = sizeof(ValueT) / sizeof(float);
+  using Tree = nanovdb::NanoTree<ValueT>;
+
+  NanoGrid(VoxelGridInfo info, nanovdb::GridHandle<> handle, const openvdb::math::Mat4d& fileToIndex)
+      : info_(std::move(info)), handle_(std::move(handle)), grid_(handle_.grid<ValueT>()) {
+    const auto map = columnVectorMap(fileToIndex);
+    std::copy_n(map.begin(), 12, fileToIndex_);
+    directory_ = DirectoryBuilder<ValueT>(grid_->tree()).build();
+    info_.channels = channels;
+    std::memcpy(info_.background.data(), &grid_->tree().background(), sizeof(ValueT));
+    countValues();
+    info_.memoryBytes = handle_.size();
+    if (directory_) {
+      info_.memoryBytes += (directory_->entries.size() + directory_->blocks.size()) * sizeof(std::int32_t) +
+                           (directory_->leafRanges.size() + directory_->tableRanges.size()) * sizeof(ChannelRanges);
+    }
+  }
+
+  const VoxelGridInfo& info() const override { return info_; }
+
+  void sample(VoxelInterpolation interpolation, std::size_t count, const float* x, const float* y, const float* z,
+              float* results) const override {
+    const LookupArguments arguments{directory_ ? &*directory_ : nullptr, fileToIndex_, count, x, y, z, results};
+    if (directory_) {
+      lookUp(interpolation, arguments);
+    } else {
+      ScalarLookup<ValueT>(*grid_).lookUp(interpolation, arguments);
+    }
+  }
+
+  VoxelRange range(VoxelInterpolation interpolation, const std::array<double, 3>& lower,
+                   const std::array<double, 3>& upper, int channel) const override {
+    if (directory_) return findRange(*directory_, fileToIndex_, interpolation, lower, upper, channel);
+    return widened(total_[static_cast<std::size_t>(channel)], interpolation);
+  }
+
+ private:
+  /// One stored value that stands for `count` voxels.
+  void addValue(const ValueT& value, bool isActive, std::uint64_t count) {
+    float floats[channels];
+    std::memcpy(floats, &value, sizeof value);
+    for (std::size_t c = 0; c < channels; ++c) {
+      total_[c].add(floats[c]);
+      if (std::isnan(floats[c])) {
+        info_.nanValues += count;
+      } else if (std::isinf(floats[c])) {
+        info_.infiniteValues += count;
+      } else if (isActive) {
+        active_[c].add(floats[c]);
+      }
+    }
+  }
+
+  template <class Node>
+  void addTiles(const Node& node) {
+    const std::uint64_t voxels = std::uint64_t{1} << (3 * Node::ChildNodeType::TOTAL);
+    for (std::uint32_t n = 0; n < Node::SIZE; ++n) {
+      if (!node.data()->isChild(n)) addValue(node.data()->getValue(n), node.data()->isActive(n), voxels);
+    }
+  }
+
+  void countValues() {
+    const Tree& tree = grid_->tree();
+    const auto* root = tree.root().data();
+    addValue(tree.background(), false, 1);
+    for (std::uint32_t t = 0; t < root->mTableSize; ++t) {
+      if (!root->tile(t)->isChild()) addValue(root->tile(t)->value, root->tile(t)->isActive(), std::uint64_t{1} << 36);
+    }
+    for (std::uint32_t i = 0; i < tree.nodeCount(2); ++i) addTiles(tree.template getFirstNode<2>()[i]);
+    for (std::uint32_t i = 0; i < tree.nodeCount(1); ++i) addTiles(tree.template getFirstNode<1>()[i]);
+    for (std::uint32_t i = 0; i < tree.nodeCount(0); ++i) {
+      const auto& leaf = tree.template getFirstNode<0>()[i];
+      for (std::uint32_t n = 0; n < 512; ++n) addValue(leaf.data()->mValues[n], leaf.data()->mValueMask.isOn(n), 1);
+    }
+    for (std::size_t c = 0; c < channels; ++c) {
+      const bool none = active_[c].least > active_[c].greatest;
+      info_.least[c] = none ? 0 : active_[c].least;
+      info_.greatest[c] = none ? 0 : active_[c].greatest;
+    }
+  }
+
+  VoxelGridInfo info_;
+  nanovdb::GridHandle<> handle_;
+  const nanovdb::NanoGrid<ValueT>* grid_;
+  double fileToIndex_[12] = {};
+  std::optional<Directory> directory_;
+  ChannelRanges active_, total_;
+};
+
+template <class NanoT, class TreeT>
+std::unique_ptr<VoxelGrid> convert(const openvdb::Grid<TreeT>& grid, VoxelGridInfo info) {
+  using nanovdb::ChecksumMode;
+  using nanovdb::StatsMode;
+  const auto map = grid.transform().baseMap()->getAffineMap()->getMat4();
+  info.indexToFile = columnVectorMap(map);
+  auto handle = nanovdb::openToNanoVDB<nanovdb::HostBuffer, TreeT, NanoT>(grid, StatsMode::All, ChecksumMode::Disable);
+  return std::make_unique<NanoGrid<NanoT>>(std::move(info), std::move(handle), map.inverse());
+}
+
+/// A grid of another type of value, value by value to float (or three floats).
+template <class TargetTree, class SourceTree>
+typename openvdb::Grid<TargetTree>::Ptr withFloats(const openvdb::Grid<SourceTree>& source) {
+  using Target = typename TargetTree::ValueType;
+  const auto background = source.background();
+  auto grid = openvdb::Grid<TargetTree>::create(Target(background));
+  grid->setTransform(source.transform().copy());
+  grid->setGridClass(source.getGridClass());
+  auto accessor = grid->getAccessor();
+  for (auto i = source.cbeginValueAll(); i; ++i) {
+    if (!i.isValueOn() && *i == background) continue;
+    if (i.isVoxelValue()) {
+      accessor.setValue(i.getCoord(), Target(*i));
+      if (!i.isValueOn()) accessor.setActiveState(i.getCoord(), false);
+    } else {
+      accessor.addTile(i.getLevel(), i.getCoord(), Target(*i), i.isValueOn());
+    }
+  }
+  return grid;
+}
+
+template <class GridT>
+const GridT* as(const openvdb::GridBase& grid) {
+  return grid.isType<GridT>() ? &static_cast<const GridT&>(grid) : nullptr;
+}
+
+}  // namespace
+
+std::unique_ptr<VoxelGrid> makeGrid(const openvdb::GridBase& grid) {
+  VoxelGridInfo info = describe(grid);
+  if (!grid.transform().isLinear()) {
+    info.problem = "its map is not affine";
+    return std::make_unique<DescribedGrid>(std::move(info));
+  }
+  if (std::abs(grid.transform().baseMap()->determinant()) == 0 ||
+      !std::isfinite(grid.transform().baseMap()->determinant())) {
+    info.problem = "its map has no inverse";
+    return std::make_unique<DescribedGrid>(std::move(info));
+  }
+  using namespace openvdb;
+  if (const auto* g = as<FloatGrid>(grid)) return convert<float>(*g, std::move(info));
+  if (const auto* g = as<DoubleGrid>(grid)) return convert<float>(*withFloats<FloatTree>(*g), std::move(info));
+  if (const auto* g = as<Int32Grid>(grid)) return convert<float>(*withFloats<FloatTree>(*g), std::move(info));
+  if (const auto* g = as<Int64Grid>(grid)) return convert<float>(*withFloats<FloatTree>(*g), std::move(info));
+  if (const auto* g = as<Vec3SGrid>(grid)) return convert<nanovdb::Vec3f>(*g, std::move(info));
+  if (const auto* g = as<Vec3DGrid>(grid)) return convert<nanovdb::Vec3f>(*withFloats<Vec3STree>(*g), std::move(info));
+  info.problem = "values of type '" + grid.valueType() + "' cannot be looked up";
+  return std::make_unique<DescribedGrid>(std::move(info));
+}
+
+}  // namespace aerosol::grid

@@ -1,0 +1,15 @@
+// One grid of a file. Internal to the module.
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <memory>
+
+#include "core/base/voxel_grid.h"
+
+namespace aerosol::grid {
+
+/// Values converted to floats in NanoVDB's form, or a grid with `info().problem` set. May throw what OpenVDB throws.
+std::unique_ptr<VoxelGrid> makeGrid(const openvdb::GridBase& grid);
+
+}  // namespace aerosol::grid
