@@ -108,8 +108,8 @@ function outside(path, line, name, prefix) {
     if (!startsWith(name, prefix)) continue
     # clang's own headers pull in LLVM's.
     if (startsWith(name, "llvm/") && startsWith(path, "core/lang/preprocessor/")) continue
-    # A layer's unit tests compare with the library that the layer wraps.
-    if (startsWith(home[prefix], "core/grid/") && startsWith(path, "tests/unit/grid/")) continue
+    # Tests and benchmarks of voxel data compare with the libraries' own.
+    if (home[prefix] == "core/grid/" && (startsWith(path, "tests/unit/grid/") || startsWith(path, "tests/bench/voxel"))) continue
     if (!startsWith(path, home[prefix])) report(path, line, "<" name "> belongs in " home[prefix])
     if (prefix == "clang/") clangFiles[path] = line
     carries[path, prefix] = 1
