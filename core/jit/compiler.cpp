@@ -5,6 +5,7 @@
 #include <iterator>
 #include <mutex>
 
+#include "core/base/code_version.h"
 #include "core/base/hash.h"
 #include "core/base/paths.h"
 #include "core/jit/backend.h"
@@ -14,9 +15,6 @@
 namespace aerosol::jit {
 
 namespace {
-
-/// Counts up whenever code generation gives other code for the same request.
-constexpr std::uint32_t generatorVersion = 1;
 
 struct Runtime {
   std::string bitcode;
@@ -46,7 +44,7 @@ void add(StrongHash& hash, const lang::ConstantValue& value) {
 
 std::string keyOf(const KernelRequest& request, const std::string& programHash, const std::string& runtimeHash) {
   StrongHash hash;
-  hash.add(std::uint64_t{generatorVersion}).add(llvmVersion()).add(programHash).add(runtimeHash);
+  hash.add(codeVersion()).add(llvmVersion()).add(programHash).add(runtimeHash);
   hash.add(static_cast<std::uint64_t>(request.outputs.size()));
   for (const lang::Output& output : request.outputs) {
     hash.add(static_cast<std::uint64_t>(output.kind))

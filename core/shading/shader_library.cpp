@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/archive.h"
+#include "core/base/code_version.h"
 #include "core/base/hash.h"
 #include "core/lang/serialize.h"
 
@@ -107,7 +108,7 @@ Result<std::shared_ptr<const lang::Program>> ShaderLibrary::find(const std::stri
 
 std::string ShaderLibrary::manifestKey(const fs::path& file) const {
   StrongHash hash;
-  hash.add("aerosol source").add(std::uint64_t{lang::programFormatVersion}).add(file.string());
+  hash.add("aerosol source").add(codeVersion()).add(file.string());
   for (const fs::path& path : options_.includePaths) hash.add(path.string());
   hash.add("defines");
   for (const std::string& define : options_.defines) hash.add(define);
