@@ -1,4 +1,4 @@
-// Double precision triples and affine maps, for intersections far from the origin. Internal to this folder.
+// Double precision triples and affine maps, for intersections far from the origin.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace aerosol::accel {
 
-/// A bare triple of doubles. Does not leave this folder.
+/// A bare triple of doubles. Does not leave the code of an intersection.
 struct Double3 {
   double x = 0, y = 0, z = 0;
 

@@ -107,10 +107,8 @@ class Query {
 
   void record(VolumeId volume) {
     ++counters_.volumeTests;
-    const auto interval = scene_.volumes[volume]->intersect(ray_);
-    if (!interval || !(interval->t0 < interval->t1)) return;
-    const double t0 = std::fmax(interval->t0, begin_), t1 = std::fmin(interval->t1, end_);
-    if (t0 < t1) spans_.push_back({t0, t1, volume});
+    Recorder recorder(*this, volume);
+    if (!scene_.volumes[volume]->intersect(ray_, recorder)) ++counters_.openVolumes;
   }
 
   float embreeFar() const { return floatAbove((hasBest_ ? best_.t : end_) + slack_); }
@@ -125,6 +123,20 @@ class Query {
   }
 
  private:
+  /// Cuts intervals to the ray and keeps them as spans.
+  class Recorder final : public IntervalSink {
+   public:
+    Recorder(Query& query, VolumeId volume) : query_(query), volume_(volume) {}
+    void add(const Interval& interval) override {
+      const double t0 = std::fmax(interval.t0, query_.begin_), t1 = std::fmin(interval.t1, query_.end_);
+      if (t0 < t1) query_.spans_.push_back({t0, t1, volume_});
+    }
+
+   private:
+    Query& query_;
+    VolumeId volume_;
+  };
+
   bool isInRange(const HitKey& key) const {
     const bool isBehindStart = after_ ? key > *after_ && key.t > static_cast<double>(ray_.tMin) : key.t > begin_;
     return isBehindStart && key.t < end_ && !(after_ && isRepeated(key, *after_));
@@ -289,6 +301,7 @@ Counters& Counters::operator+=(const Counters& other) {
   occlusionQueries += other.occlusionQueries;
   volumeTests += other.volumeTests;
   spans += other.spans;
+  openVolumes += other.openVolumes;
   invalidRays += other.invalidRays;
   return *this;
 }
@@ -305,7 +318,7 @@ const TriangleMesh* Scene::mesh(ObjectId object) const {
   const auto& mesh = data_->surfaces[object].mesh;
   return mesh ? &mesh->mesh : nullptr;
 }
-const ConvexVolume& Scene::volume(VolumeId volume) const { return *data_->volumes[volume]; }
+const VolumeShape& Scene::volume(VolumeId volume) const { return *data_->volumes[volume]; }
 const std::string& Scene::isa() const { return data_->isa; }
 
 }  // namespace aerosol::accel

@@ -8,6 +8,7 @@
 #include "core/accel/convex_volume.h"
 #include "core/accel/hit.h"
 #include "core/accel/mesh.h"
+#include "core/accel/volume_shape.h"
 #include "core/base/result.h"
 
 namespace aerosol::accel {
@@ -18,6 +19,7 @@ struct Counters {
   std::uint64_t occlusionQueries = 0;
   std::uint64_t volumeTests = 0;  ///< Rays tested against a volume primitive's exact shape.
   std::uint64_t spans = 0;        ///< Volume spans returned.
+  std::uint64_t openVolumes = 0;  ///< Rays along which a volume primitive's mesh is not closed.
   std::uint64_t invalidRays = 0;  ///< Rays that were not finite; they hit nothing.
 
   Counters& operator+=(const Counters& other);
@@ -60,7 +62,7 @@ class Scene {
   VolumeId volumeCount() const;
   /// The mesh of an object with its normals resolved; null for spheres and disks.
   const TriangleMesh* mesh(ObjectId object) const;
-  const ConvexVolume& volume(VolumeId volume) const;
+  const VolumeShape& volume(VolumeId volume) const;
   /// The instruction set in use, as in SceneOptions.
   const std::string& isa() const;
 
@@ -83,7 +85,7 @@ class SceneBuilder {
                              bool flipNormals = false);
   /// The unit disk in the xy plane, facing +z.
   Result<ObjectId> addDisk(const Transform<World, Object>& toWorld, bool passThrough = false, bool flipNormals = false);
-  Result<VolumeId> addVolume(std::unique_ptr<const ConvexVolume> volume);
+  Result<VolumeId> addVolume(std::unique_ptr<const VolumeShape> volume);
 
   /// Builds the acceleration structure on all cores; the builder is empty afterwards.
   Result<Scene> build(const SceneOptions& options = {});

@@ -194,7 +194,7 @@ Result<ObjectId> SceneBuilder::addDisk(const Transform<World, Object>& toWorld, 
   return addAnalytic(*data_, {AnalyticSurface::Kind::disk, 0, passThrough, flipNormals, toWorld});
 }
 
-Result<VolumeId> SceneBuilder::addVolume(std::unique_ptr<const ConvexVolume> volume) {
+Result<VolumeId> SceneBuilder::addVolume(std::unique_ptr<const VolumeShape> volume) {
   if (hasNan(volume->worldBounds())) return makeError("the transform cannot be inverted or is not finite");
   data_->volumes.push_back(std::move(volume));
   return static_cast<VolumeId>(data_->volumes.size() - 1);

@@ -26,8 +26,8 @@ struct SceneData {
   SceneData(const SceneData&) = delete;
   SceneData& operator=(const SceneData&) = delete;
 
-  std::vector<Surface> surfaces;                             ///< By ObjectId.
-  std::vector<std::unique_ptr<const ConvexVolume>> volumes;  ///< By VolumeId.
+  std::vector<Surface> surfaces;                            ///< By ObjectId.
+  std::vector<std::unique_ptr<const VolumeShape>> volumes;  ///< By VolumeId.
 
   // Set by build:
   std::vector<const AnalyticSurface*> analytic;  ///< By primitive of Embree's geometry for them.

@@ -84,6 +84,7 @@ std::string formatStatistics(const render::PreparedScene& scene, const render::R
   table.row("rays", fmt::format("{} for hits, {} for shadows", formatCount(s.accel.closestHitQueries),
                                 formatCount(s.accel.occlusionQueries)));
   if (s.accel.invalidRays > 0) table.row("invalid rays", formatCount(s.accel.invalidRays));
+  if (s.accel.openVolumes > 0) table.row("rays through open volume meshes", formatCount(s.accel.openVolumes));
   addKernelCalls(table, s, report.seconds * threads);
   addTrackers(table, s);
   if (film.droppedCount() > 0) table.row("dropped samples", formatCount(film.droppedCount()));

@@ -135,12 +135,15 @@ class Preparation {
       PreparedObject& object = scene_->objects[i];
       describeMaterial(object);
       auto id = addShape(shape, object.isBoundary);
-      if (!id) {
-        for (Diagnostic error : id.errors().entries()) {
-          if (error.location.file.empty()) error.location = shape.origin.location;
-          errors_.add(std::move(error));
-        }
-      }
+      if (!id) appendAt(shape.origin.location, id.errors());
+    }
+  }
+
+  /// Errors without a place of their own are those of the element.
+  void appendAt(const SourceLocation& element, const Diagnostics& errors) {
+    for (Diagnostic error : errors.entries()) {
+      if (error.location.file.empty()) error.location = element;
+      errors_.add(std::move(error));
     }
   }
 
@@ -202,10 +205,16 @@ class Preparation {
     for (std::size_t i = 0; i < description_.volumes.size(); ++i) {
       const scene::Volume& volume = description_.volumes[i];
       const VolumeType& type = *registry_.volume(volume.type);
-      auto shape = type.make(type.place(volume));
-      const Box<World> bounds = shape->worldBounds();
+      auto shape = type.make({volume, type.place(volume), description_.searchPath, warnings_});
+      if (!shape) {
+        appendAt(volume.origin.location, shape.errors());
+        continue;
+      }
+      const Box<World> bounds = (*shape)->worldBounds();
       placements_[scene_->volumes[i]->index].extent = length(bounds.upper - bounds.lower);
-      if (auto added = builder_.addVolume(std::move(shape)); !added) errors_.append(added.errors());
+      if (auto added = builder_.addVolume(std::move(*shape)); !added) {
+        appendAt(volume.origin.location, added.errors());
+      }
     }
   }
 

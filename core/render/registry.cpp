@@ -88,6 +88,15 @@ Diagnostics complete(const LightType& type, std::vector<scene::NamedValue>& para
 
 }  // namespace
 
+std::filesystem::path VolumeArguments::file(const std::string& parameter) const {
+  std::filesystem::path name = volume.get<std::string>(parameter);
+  for (const std::filesystem::path& folder : searchPath) {
+    std::error_code error;
+    if (name.is_relative() && std::filesystem::exists(folder / name, error)) return folder / name;
+  }
+  return name;
+}
+
 const Closure* Registry::closure(std::string_view name) const {
   const auto found = std::find_if(closures_.begin(), closures_.end(), [&](const auto& c) { return c->name() == name; });
   return found == closures_.end() ? nullptr : found->get();

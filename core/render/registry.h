@@ -1,6 +1,7 @@
 // The table of compiled-in features: closures, phase functions, light types, integrators by name.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -8,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/accel/convex_volume.h"
+#include "core/accel/volume_shape.h"
 #include "core/base/result.h"
 #include "core/render/closure.h"
 #include "core/render/integrator.h"
@@ -51,12 +52,23 @@ struct NamedIntegrator {
   std::shared_ptr<const Integrator> integrator;
 };
 
+/// What a volume primitive is made from.
+struct VolumeArguments {
+  const scene::Volume& volume;
+  Transform<World, Object> toWorld;                   ///< As `place` gave it.
+  std::span<const std::filesystem::path> searchPath;  ///< For files with relative names.
+  Diagnostics& warnings;
+
+  /// The file that a parameter names, looked up in the search path; the name itself where no such file is found.
+  std::filesystem::path file(const std::string& parameter) const;
+};
+
 /// A volume primitive type: its parameters in scenes, where one is placed, and its shape.
 struct VolumeType {
   scene::VolumeType described;
   /// From the primitive's canonical space (a unit ball, the box [-1, 1]³ …), which is the "object" space of its shader.
   std::function<Transform<World, Object>(const scene::Volume&)> place;
-  std::function<std::unique_ptr<const accel::ConvexVolume>(const Transform<World, Object>&)> make;
+  std::function<Result<std::unique_ptr<const accel::VolumeShape>>(const VolumeArguments&)> make;
 };
 
 /// Filled once by `registerPlugins`, then const. Names are unique within a kind.

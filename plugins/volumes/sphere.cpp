@@ -1,5 +1,6 @@
 // A ball-shaped volume primitive.
 
+#include "core/accel/convex_volume.h"
 #include "core/render/registry.h"
 
 namespace aerosol::render {
@@ -11,8 +12,8 @@ Transform<World, Object> place(const scene::Volume& volume) {
   return ballPlacement(volume.toWorld, Point<Object>(center.x, center.y, center.z), volume.get<float>("radius"));
 }
 
-std::unique_ptr<const accel::ConvexVolume> make(const Transform<World, Object>& toWorld) {
-  return std::make_unique<accel::SphereVolume>(toWorld);
+Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& arguments) {
+  return {std::make_unique<accel::SphereVolume>(arguments.toWorld)};
 }
 
 }  // namespace

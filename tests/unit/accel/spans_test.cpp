@@ -19,10 +19,8 @@ Scene build(SceneBuilder& builder) {
   return std::move(*scene);
 }
 
-std::unique_ptr<const ConvexVolume> box(const Transform<World, Object>& t) { return std::make_unique<BoxVolume>(t); }
-std::unique_ptr<const ConvexVolume> ball(const Transform<World, Object>& t) {
-  return std::make_unique<SphereVolume>(t);
-}
+std::unique_ptr<const VolumeShape> box(const Transform<World, Object>& t) { return std::make_unique<BoxVolume>(t); }
+std::unique_ptr<const VolumeShape> ball(const Transform<World, Object>& t) { return std::make_unique<SphereVolume>(t); }
 
 struct Query {
   const Scene& scene;
