@@ -28,7 +28,7 @@ aerosol_layer(accel PUBLIC core_base PRIVATE fmt::fmt aerosol_embree)
 aerosol_layer(image PUBLIC core_base PRIVATE fmt::fmt EXCLUDE "module/")
 aerosol_layer(grid PUBLIC core_base PRIVATE fmt::fmt EXCLUDE "module/")
 
-aerosol_layer(render PUBLIC core_volume core_scene core_accel core_image PRIVATE fmt::fmt TBB::tbb)
+aerosol_layer(render PUBLIC core_volume core_scene core_accel core_image core_grid PRIVATE fmt::fmt TBB::tbb)
 
 # LLVM's headers: where core/jit/llvm.h names them, they are parsed once into a precompiled header, which pays from the
 # third translation unit on. The compiler cache keeps such objects only when told that time stamps do not matter.

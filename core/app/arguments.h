@@ -39,6 +39,7 @@ struct RenderArguments {
   std::optional<scene::DistanceSampling> distance;
   std::optional<float> stepScale;
   int threads = 0;  ///< 0: one a processor.
+  int textureMemory_MB = 1024;
   bool quiet = false;
   bool statistics = false;
   bool countLanes = false;

@@ -158,6 +158,8 @@ void addRender(CLI::App& program, RenderArguments& render) {
   addSceneOptions(app, render);
   addSamplingOptions(app, render);
   addInteger(app, "--threads", render.threads, 1, "Threads that render [one a processor]; the image is the same");
+  addInteger(app, "--texture-memory", render.textureMemory_MB, 16,
+             "Megabytes for decoded texels of all threads [1024]; the image\nis the same");
   addKernelOptions(app, render.kernels);
   app.add_flag("--quiet,-q", render.quiet, "No progress; warnings and shader messages stay");
   app.add_flag("--stats", render.statistics, "Print statistics at the end");

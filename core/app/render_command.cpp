@@ -109,6 +109,7 @@ class Render {
     options.target = target_ = toolchain->target;
     options.embreeIsa = arguments_.kernels.isa;
     options.laneCounters = arguments_.countLanes;
+    options.textureMemory_MB = arguments_.textureMemory_MB;
     auto prepared = render::prepare(*description_, registry_, options, warnings);
     console_.report(warnings);
     if (!prepared) return accept(prepared.errors());

@@ -26,6 +26,17 @@ constexpr std::array table = {
                "Puts the parts of a string between separators (default: blanks) into an array, at most as many as the "
                "last argument says, and gives their number."},
     BuiltinRow{"format", "s(s*)", "format", special, true, "The text that printf would print."},
+    // Textures. Their options stand in texture_options.cpp.
+    BuiltinRow{"texture", "f(sff*) c(sff*) v(sff*) f(sffffff*) c(sffffff*) v(sffffff*)", "texture", special, true,
+               "An image filtered around (s, t), over an area given by the derivatives of these by x and y."},
+    BuiltinRow{
+        "texture3d", "f(sp*) c(sp*) v(sp*) f(spvvv*) c(spvvv*) v(spvvv*)", "texture3d", special, true,
+        "A volume image or a grid of an OpenVDB file at a point, filtered over an area given by its derivatives by "
+        "x, y and z. Option subimage names the grid."},
+    BuiltinRow{"environment", "f(sv*) c(sv*) v(sv*) f(svvv*) c(svvv*) v(svvv*)", "environment", special, true,
+               "An environment image in a direction, filtered over an area given by its derivatives by x and y."},
+    BuiltinRow{"gettextureinfo", "i(ss!?) i(sffs!?)", "gettextureinfo", host, true,
+               "Puts an entry of a texture file's header into a variable of the same type; 0 when there is none."},
 };
 
 }  // namespace

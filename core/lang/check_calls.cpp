@@ -4,6 +4,7 @@
 
 #include "core/lang/checker.h"
 #include "core/lang/overload.h"
+#include "core/lang/texture_options.h"
 
 namespace aerosol::lang {
 
@@ -207,6 +208,7 @@ Type Checker::checkCall(Expression& expression, Call& call, const Type& expected
   call.closure = chosen->closure;
   if (call.function) useFunction(*call.function, expression.position);
   if (call.builtin) checkConstantStrings(expression, call);
+  if (call.builtin && findTextureFunction(call.name)) checkTextureOptions(call);
   if (call.closure) return checkClosureCall(expression, call, *call.closure);
   return chosen->result;
 }

@@ -121,6 +121,7 @@ class Checker {
   Type checkClosureCall(Expression& expression, Call& call, const ClosureRow& row);
   void unknownFunction(Position position, std::string_view name);
   void checkConstantStrings(const Expression& expression, const Call& call);
+  void checkTextureOptions(Call& call);
   std::string describe(const Candidate& candidate) const;
   const FunctionDeclaration* findOverload(std::string_view name, std::vector<Expression*> operands, Position position,
                                           const Type& expected, Type& result);

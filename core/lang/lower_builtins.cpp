@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "core/lang/lowerer.h"
+#include "core/lang/texture_options.h"
 
 namespace aerosol::lang {
 
@@ -92,6 +93,7 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
     append(Op::leave).scopeId = frames_.front().scopeId;
     return {result, {}};
   }
+  if (findTextureFunction(name)) return lowerTexture(expression, called);
   if (name == "concat") return lowerConcat(expression, called);
   return lowerFormat(expression, called);
 }

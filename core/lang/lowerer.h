@@ -194,6 +194,9 @@ class Lowerer {
                                        std::span<const VariableId> arguments) const;
   Value lowerHostCall(const Expression& expression, const Call& called);
 
+  // lower_textures.cpp
+  Value lowerTexture(const Expression& expression, const Call& called);
+
   // lower_closures.cpp
   Value lowerClosure(const Expression& expression, const Call& call);
 

@@ -45,7 +45,10 @@ bool isSound(Color c) { return isFinite(c) && minimum(c) >= 0; }
 }  // namespace
 
 KernelQueues::KernelQueues(const PreparedScene& scene, WorkerStatistics& statistics, int batchSize)
-    : scene_(scene), statistics_(statistics), host_(scene.namedSpaces, scene.loopBudget), batch_(batchSize) {
+    : scene_(scene),
+      statistics_(statistics),
+      host_(scene.namedSpaces, scene.loopBudget, scene.services.get()),
+      batch_(batchSize) {
   const auto& families = scene.shading.families();
   queues_.resize(families.size() * shading::variantCount);
   for (std::size_t i = 0; i < queues_.size(); ++i) {

@@ -7,6 +7,7 @@
 #include "core/accel/obj.h"
 #include "core/accel/ply.h"
 #include "core/render/medium_preparation.h"
+#include "core/render/scene_services.h"
 #include "core/render/shader_binding.h"
 
 namespace aerosol::render {
@@ -23,7 +24,9 @@ class Preparation {
         options_(options),
         warnings_(warnings),
         library_(makeLibrary()),
-        scene_(std::make_unique<PreparedScene>()) {}
+        scene_(std::make_unique<PreparedScene>()) {
+    scene_->services = makeServices({searchPath(), options.textureMemory_MB});
+  }
 
   Result<std::unique_ptr<const PreparedScene>> run() {
     setUpCamera();
@@ -52,10 +55,15 @@ class Preparation {
     float extent = std::numeric_limits<float>::infinity();
   };
 
-  shading::ShaderLibrary makeLibrary() const {
+  std::vector<std::filesystem::path> searchPath() const {
     std::vector<std::filesystem::path> path = options_.shaderPath;
     path.insert(path.end(), description_.searchPath.begin(), description_.searchPath.end());
     path.push_back(options_.shaderLibrary);
+    return path;
+  }
+
+  shading::ShaderLibrary makeLibrary() const {
+    const std::vector<std::filesystem::path> path = searchPath();
     lang::CompileOptions compile;
     compile.includePaths = path;
     compile.standardLibrary = options_.shaderLibrary / "stdosl.h";

@@ -22,6 +22,7 @@ struct PrepareOptions {
   std::shared_ptr<jit::ObjectCache> cache;  ///< May be null.
   jit::Target target;
   std::string embreeIsa;                ///< Empty: the best of this machine.
+  int textureMemory_MB = 1024;          ///< For decoded texels, at least 16.
   bool laneCounters = false;            ///< Kernels count the lanes that work (slower).
   std::uint32_t loopBudget = 1u << 24;  ///< Iterations of one loop that one point may run.
 };

@@ -15,6 +15,7 @@
 #include "core/render/message_log.h"
 #include "core/render/sample_stream.h"
 #include "core/shading/kernel_host.h"
+#include "core/shading/services.h"
 #include "core/shading/shading_system.h"
 #include "core/volume/medium.h"
 #include "core/volume/phase.h"
@@ -43,6 +44,7 @@ struct PreparedScene {
   std::optional<accel::Scene> geometry;
   shading::ShadingSystem shading;
   shading::NamedSpaces namedSpaces;
+  std::unique_ptr<shading::Services> services;      ///< Safe to use from all threads, like everything here.
   std::vector<volume::Medium> media;                ///< Addresses are stable.
   std::vector<shading::InstanceRef> mediumShaders;  ///< By medium index.
   std::vector<SourceLocation> mediumLocations;      ///< By medium index.

@@ -6,12 +6,19 @@
 #include <span>
 #include <utility>
 
+#include "core/shading/texture_functions.h"
+
 namespace aerosol::shading {
 
 namespace {
 
 using Entry = std::pair<std::string_view, HostFunction>;
-constexpr std::span<const Entry> table{};
+constexpr std::array<Entry, 4> table = {{
+    {"texture", texture},
+    {"texture3d", texture3d},
+    {"environment", environment},
+    {"gettextureinfo", getTextureInfo},
+}};
 
 /// The table of strings as one call sees it: what its points make is charged to them.
 class StringsOfCall final : public lang::Strings {

@@ -14,6 +14,7 @@
 #include "core/lang/host_call.h"
 #include "core/lang/pure_functions.h"
 #include "core/shading/runtime_strings.h"
+#include "core/shading/services.h"
 
 namespace aerosol::shading {
 
@@ -54,7 +55,9 @@ HostFunction findHostFunction(std::string_view name);
 /// Answers the calls of the kernels of one thread.
 class HostCalls {
  public:
-  explicit HostCalls(HostReport report) : report_(std::move(report)) {}
+  /// `services` may be null: then there are no files.
+  explicit HostCalls(HostReport report, Services* services = nullptr)
+      : report_(std::move(report)), services_(services) {}
   HostCalls(const HostCalls&) = delete;
   HostCalls& operator=(const HostCalls&) = delete;
 
@@ -63,6 +66,7 @@ class HostCalls {
   /// AerosolHostServices::call.
   void call(const AerosolHostCall& raw) noexcept;
 
+  ServicesOfThread& services() { return services_; }
   RuntimeStrings& strings() { return strings_; }
   const RuntimeStrings& strings() const { return strings_; }
   void report(std::uint32_t site, std::uint32_t point, std::string_view text) { report_(site, point, text); }
@@ -74,6 +78,7 @@ class HostCalls {
   };
 
   HostReport report_;
+  ServicesOfThread services_;
   RuntimeStrings strings_;
   const jit::KernelInterface* interface_ = nullptr;
   std::vector<Function> functions_;  ///< By host site.

@@ -24,14 +24,16 @@ const AerosolHostServices KernelHost::services_{sizeof(AerosolHostServices), &Ke
                                                 &KernelHost::spaceToWorld, &KernelHost::worldToSpace,
                                                 &KernelHost::call};
 
-KernelHost::KernelHost(const NamedSpaces& spaces, std::uint32_t loopBudget)
+KernelHost::KernelHost(const NamedSpaces& spaces, std::uint32_t loopBudget, Services* services)
     : context_{{&services_, {0, 0}, loopBudget}, this},
       spaces_(spaces),
-      calls_([this](std::uint32_t site, std::uint32_t point, std::string_view text) {
-        AerosolRecordValue value;
-        value.s = calls_.strings().add(text);
-        records_.push_back({AEROSOL_REPORT_HOST, site, point, {value}});
-      }) {}
+      calls_(
+          [this](std::uint32_t site, std::uint32_t point, std::string_view text) {
+            AerosolRecordValue value;
+            value.s = calls_.strings().add(text);
+            records_.push_back({AEROSOL_REPORT_HOST, site, point, {value}});
+          },
+          services) {}
 
 void KernelHost::call(AerosolKernelContext* context, const AerosolHostCall* call) { of(context).calls_.call(*call); }
 

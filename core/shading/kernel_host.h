@@ -40,7 +40,8 @@ struct Record {
 /// The context that kernels of one thread run with.
 class KernelHost {
  public:
-  KernelHost(const NamedSpaces& spaces, std::uint32_t loopBudget);
+  /// `services` may be null: then there are no files.
+  KernelHost(const NamedSpaces& spaces, std::uint32_t loopBudget, Services* services = nullptr);
   KernelHost(const KernelHost&) = delete;
   KernelHost& operator=(const KernelHost&) = delete;
 

@@ -10,6 +10,7 @@
 
 #include "core/base/hash.h"
 #include "core/lang/compile.h"
+#include "core/render/scene_services.h"
 #include "core/shading/host_functions.h"
 #include "tests/language/language_case.h"
 #include "tests/unit/jit/kernel_runner.h"
@@ -101,9 +102,9 @@ std::string nameOf(const lang::Program& program, const OutputComponent& output) 
 class Answers final : public HostAnswers {
  public:
   Answers()
-      : calls_([this](std::uint32_t site, std::uint32_t point, std::string_view text) {
-          report_(site, point, calls_.strings().add(text));
-        }) {}
+      : calls_([this](std::uint32_t site, std::uint32_t point,
+                      std::string_view text) { report_(site, point, calls_.strings().add(text)); },
+               services()) {}
 
   void begin(const KernelInterface& interface, std::size_t count, Report report) override {
     report_ = std::move(report);
@@ -120,6 +121,11 @@ class Answers final : public HostAnswers {
   shading::StringList ofInstance;
 
  private:
+  static shading::Services* services() {
+    static const auto made = render::makeServices({{AEROSOL_SOURCE_DIR "/tests/language"}, 64});
+    return made.get();
+  }
+
   Report report_;
   shading::HostCalls calls_;
 };

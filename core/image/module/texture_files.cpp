@@ -110,7 +110,8 @@ TextureFile& TextureFiles::open(std::string_view name) {
   }
   if (!file.handle || !system_->good(file.handle)) {
     file.handle = nullptr;
-    const std::string detail = message.empty() ? system_->geterror() : message;
+    std::string detail = message.empty() ? system_->geterror() : message;
+    if (OIIO::ImageSpec spec; detail.empty() && !system_->get_imagespec(text, 0, spec)) detail = system_->geterror();
     file.problem = "cannot read the texture \"" + std::string(name) + "\"" + (detail.empty() ? "" : ": " + detail);
     (void)system_->geterror();
   }

@@ -1,0 +1,45 @@
+// Calls of texture functions: to the host goes one fixed list of arguments (see TextureFunction).
+#include "core/lang/lowerer.h"
+#include "core/lang/texture_options.h"
+
+namespace aerosol::lang {
+
+Value Lowerer::lowerTexture(const Expression& expression, const Call& called) {
+  const BuiltinOverload& overload = *called.builtin;
+  const TextureFunction& function = *findTextureFunction(overload.row->name);
+  const std::size_t given = overload.parameters.size();
+  std::vector<VariableId> ids, options;
+  std::vector<std::pair<Place, VariableId>> copiesBack;
+  std::uint32_t outputs = 0;
+  const auto lowered = [&](std::size_t i, const Type& type) {
+    return protect(lowerTo(*called.arguments[i], type), std::span(called.arguments).subspan(i + 1)).single();
+  };
+  for (std::size_t i = 0; i < given; ++i) ids.push_back(lowered(i, overload.parameters[i]));
+  // Derivatives that are not given are those of the coordinates.
+  while (ids.size() < function.argumentCount()) ids.push_back(zeroValue(function.type).single());
+  for (std::size_t i = given; i + 1 < called.arguments.size(); i += 2) {
+    const std::string& name = std::get<StringLiteral>(called.arguments[i]->node).value;
+    const TextureOption& option = *findTextureOption(name);
+    if (option.isOutput()) {
+      const Place target = place(*called.arguments[i + 1]);
+      VariableId variable = target.leaves[0];
+      if (!target.isWhole()) {
+        variable = local(target.type, "");
+        copiesBack.emplace_back(target, variable);
+      }
+      outputs |= 1u << ids.size();
+      ids.push_back(variable);
+      continue;
+    }
+    const bool isText = called.arguments[i + 1]->type == types::string;
+    options.push_back(constantString(name));
+    options.push_back(lowered(i + 1, isText ? types::string : option.type));
+  }
+  ids.insert(ids.end(), options.begin(), options.end());
+  position_ = expression.position;
+  const VariableId result = callHost(overload.row->symbol, overload.result, std::move(ids), {outputs, 0, true});
+  for (const auto& [target, variable] : copiesBack) store(target, {target.type, {variable}});
+  return {overload.result, {result}};
+}
+
+}  // namespace aerosol::lang
