@@ -157,7 +157,8 @@ void addRender(CLI::App& program, RenderArguments& render) {
           "Image to write, .exr, .png or .jpg; repeatable\n[the scene's name with .png, in the current folder]");
   addSceneOptions(app, render);
   addSamplingOptions(app, render);
-  addInteger(app, "--threads", render.threads, 1, "Threads that render [one a processor]; the image is the same");
+  addInteger(app, "--threads", render.threads, 1,
+             "Threads that prepare and render [one a processor]; the image is the same");
   addInteger(app, "--texture-memory", render.textureMemory_MB, 16,
              "Megabytes for decoded texels of all threads [1024]; the image\nis the same");
   addKernelOptions(app, render.kernels);

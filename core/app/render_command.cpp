@@ -110,6 +110,7 @@ class Render {
     options.embreeIsa = arguments_.kernels.isa;
     options.laneCounters = arguments_.countLanes;
     options.textureMemory_MB = arguments_.textureMemory_MB;
+    options.threads = threadCount();
     auto prepared = render::prepare(*description_, registry_, options, warnings);
     console_.report(warnings);
     if (!prepared) return accept(prepared.errors());
@@ -163,6 +164,7 @@ class Render {
     std::fflush(console_.out);
     console_.report(report.messages);
     Diagnostics found = reportInvalidCoefficients(*scene_);
+    found.append(reportInvalidClosures(*scene_));
     found.append(reportTrackers(*scene_, report_.statistics.trackers));
     found.append(reportDroppedSamples(*film_));
     description_->sources->annotate(found);

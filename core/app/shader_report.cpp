@@ -93,6 +93,22 @@ Diagnostics reportInvalidCoefficients(const render::PreparedScene& scene) {
   return warnings;
 }
 
+Diagnostics reportInvalidClosures(const render::PreparedScene& scene) {
+  Diagnostics warnings;
+  for (const auto& [object, invalid] : scene.messages->invalidSurfaces()) {
+    const lang::Program& program = *scene.shading.family(scene.objects[object].material).program;
+    const lang::ClosureSite& site = program.closureSites[invalid.site];
+    const Point<World> p = invalid.point;
+    warnings.warning(
+        program.locations[site.location],
+        fmt::format("closure '{}' of surface shader '{}' had a weight or parameter that is no finite "
+                    "number at {}; it is left out there",
+                    site.closure, program.name, formatCount(invalid.count, "point")),
+        {fmt::format("first at {}, world point ({:.6g}, {:.6g}, {:.6g})", describe(invalid.path), p.x, p.y, p.z)});
+  }
+  return warnings;
+}
+
 Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::TrackerStatistics& trackers) {
   Diagnostics warnings;
   if (trackers.boundViolations > 0) {

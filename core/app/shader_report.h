@@ -24,6 +24,9 @@ ShaderReport reportMessages(const std::vector<render::Message>& messages, std::u
 /// Results of volume shaders that were NaN, infinite or negative, once a medium.
 Diagnostics reportInvalidCoefficients(const render::PreparedScene& scene);
 
+/// Closures of surface shaders with weights or parameters that were NaN or infinite, once an object.
+Diagnostics reportInvalidClosures(const render::PreparedScene& scene);
+
 /// Extinction above the bound that null scattering relies on, with the bound to declare instead; segments given up.
 Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::TrackerStatistics& trackers);
 

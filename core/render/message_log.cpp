@@ -32,6 +32,19 @@ void MessageLog::reportInvalid(const volume::Medium& medium, Point<World> point,
   }
 }
 
+void MessageLog::reportInvalidSurface(std::uint32_t object, std::uint32_t site, Point<World> point,
+                                      const PathId& path) {
+  const std::lock_guard lock(mutex_);
+  InvalidSurface& entry = invalidSurfaces_[object];
+  ++entry.count;
+  const auto order = [](const PathId& id, Point<World> p, std::uint32_t s) {
+    return std::tuple(id.y, id.x, id.sample, p.x, p.y, p.z, s);
+  };
+  if (entry.count == 1 || order(path, point, site) < order(entry.path, entry.point, entry.site)) {
+    entry = {path, site, point, entry.count};
+  }
+}
+
 void MessageLog::forgetInvalid(const volume::Medium& medium) {
   const std::lock_guard lock(mutex_);
   invalid_.erase(medium.index);
@@ -45,6 +58,11 @@ std::vector<Message> MessageLog::sorted() const {
 std::uint64_t MessageLog::dropped() const {
   const std::lock_guard lock(mutex_);
   return dropped_;
+}
+
+std::map<std::uint32_t, MessageLog::InvalidSurface> MessageLog::invalidSurfaces() const {
+  const std::lock_guard lock(mutex_);
+  return invalidSurfaces_;
 }
 
 std::map<std::uint32_t, MessageLog::Invalid> MessageLog::invalid() const {

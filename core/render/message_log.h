@@ -38,6 +38,8 @@ class MessageLog {
   /// A shader gave NaN, infinite or negative coefficients. Kept once a medium: for the first (pixel, sample, question).
   void reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
                      const PathId& path, std::uint32_t question = 0);
+  /// A surface shader gave closures with weights or parameters that are NaN or infinite. Kept once an object.
+  void reportInvalidSurface(std::uint32_t object, std::uint32_t site, Point<World> point, const PathId& path);
   /// Takes back what was reported about a medium before the render.
   void forgetInvalid(const volume::Medium& medium);
 
@@ -49,10 +51,19 @@ class MessageLog {
     std::uint64_t count = 0;
   };
 
+  struct InvalidSurface {
+    PathId path;
+    std::uint32_t site = 0;  ///< Index of the closure's call site.
+    Point<World> point;
+    std::uint64_t count = 0;
+  };
+
   std::vector<Message> sorted() const;
   std::uint64_t dropped() const;
   /// By medium index.
   std::map<std::uint32_t, Invalid> invalid() const;
+  /// By object.
+  std::map<std::uint32_t, InvalidSurface> invalidSurfaces() const;
 
  private:
   struct Order {
@@ -66,6 +77,7 @@ class MessageLog {
   std::set<Message, Order> messages_;
   std::uint64_t dropped_ = 0;
   std::map<std::uint32_t, Invalid> invalid_;
+  std::map<std::uint32_t, InvalidSurface> invalidSurfaces_;
 };
 
 }  // namespace aerosol::render

@@ -1,8 +1,10 @@
 #include "core/render/prepare.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "core/accel/obj.h"
 #include "core/accel/ply.h"
@@ -316,6 +318,9 @@ class Preparation {
 Result<std::unique_ptr<const PreparedScene>> prepare(const scene::SceneDescription& description,
                                                      const Registry& registry, const PrepareOptions& options,
                                                      Diagnostics& warnings) {
+  const auto threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
+                                           : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
   return Preparation(description, registry, options, warnings).run();
 }
 

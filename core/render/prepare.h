@@ -25,6 +25,7 @@ struct PrepareOptions {
   int textureMemory_MB = 1024;          ///< For decoded texels, at least 16.
   bool laneCounters = false;            ///< Kernels count the lanes that work (slower).
   std::uint32_t loopBudget = 1u << 24;  ///< Iterations of one loop that one point may run.
+  int threads = 0;                      ///< That preparation may use; 0: all of the machine.
 };
 
 /// Everything wrong with the scene is in the errors, each where it is written. `warnings` also takes those of shaders.

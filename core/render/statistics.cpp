@@ -19,6 +19,7 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   countedLanesRun += o.countedLanesRun;
   countedLanesUsed += o.countedLanesUsed;
   invalidCoefficients += o.invalidCoefficients;
+  invalidClosures += o.invalidClosures;
   frameHeapBlocks += o.frameHeapBlocks;
   return *this;
 }

@@ -19,6 +19,7 @@ struct WorkerStatistics {
   std::uint64_t countedLanesRun = 0;  ///< Weighted by the cost of each block of code; kernels with counters alone.
   std::uint64_t countedLanesUsed = 0;
   std::uint64_t invalidCoefficients = 0;  ///< Shader results that were NaN, infinite or negative.
+  std::uint64_t invalidClosures = 0;      ///< Surface points with closures that were NaN or infinite.
   std::uint64_t frameHeapBlocks = 0;      ///< Coroutine frames that did not fit their slot.
 
   WorkerStatistics& operator+=(const WorkerStatistics& other);

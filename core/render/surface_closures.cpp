@@ -1,5 +1,8 @@
 #include "core/render/surface_closures.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace aerosol::render {
 
 shading::ShadingPoint shadingPointOf(const accel::SurfaceHit& hit, const Ray<World>& ray) {
@@ -32,6 +35,13 @@ void normalizeDirections(const Closure& closure, std::span<float> parameters, No
   }
 }
 
+bool isSoundSite(const Closure& closure, const SurfaceAnswer::Site& site) {
+  std::size_t count = 0;
+  for (const DescribedField& field : closure.fields()) count += static_cast<std::size_t>(field.components());
+  return isFinite(site.weight) && std::all_of(site.parameters.begin(), site.parameters.begin() + count,
+                                              [](float parameter) { return std::isfinite(parameter); });
+}
+
 }  // namespace
 
 SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnswer& answer,
@@ -40,7 +50,11 @@ SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnsw
   std::size_t count = 0;
   for (std::uint32_t i = 0; i < answer_.siteCount; ++i) {
     SurfaceAnswer::Site& site = answer_.sites[i];
-    if (!object.closures[i] || isBlack(site.weight) || !isFinite(site.weight)) continue;
+    if (!object.closures[i] || isBlack(site.weight)) continue;
+    if (!isSoundSite(*object.closures[i], site)) {
+      if (!invalidSite_) invalidSite_ = i;
+      continue;
+    }
     normalizeDirections(*object.closures[i], site.parameters, hit.shadingNormal);
     terms_[count++] = {object.closures[i], site.weight, site.parameters};
   }

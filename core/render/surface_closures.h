@@ -23,11 +23,14 @@ class SurfaceClosures {
   SurfaceClosures& operator=(const SurfaceClosures&) = delete;
 
   const ClosureMix& mix() const { return *mix_; }
+  /// A call site whose weight or parameters are NaN or infinite: it is left out.
+  std::optional<std::uint32_t> invalidSite() const { return invalidSite_; }
 
  private:
   SurfaceAnswer answer_;
   std::array<WeightedClosure, SurfaceAnswer::maximumSites> terms_;
   std::optional<ClosureMix> mix_;
+  std::optional<std::uint32_t> invalidSite_;
 };
 
 }  // namespace aerosol::render

@@ -70,6 +70,10 @@ Task<bool> scatterOnSurface(PathContext& path, PathState& state, Radiance& radia
   const shading::ShadingPoint point = shadingPointOf(hit, state.ray);
   const SurfaceAnswer& answer = co_await path.shade(object.material, point);
   const SurfaceClosures closures(object, answer, hit, state.ray.direction);
+  if (const auto invalid = closures.invalidSite()) [[unlikely]] {
+    ++path.statistics().invalidClosures;
+    scene.messages->reportInvalidSurface(hit.object, *invalid, hit.point, path.id());
+  }
   radiance.color += state.throughput * closures.mix().emitted();
   if (state.length == scene.path.maxDepth) co_return false;
 

@@ -175,6 +175,36 @@ TEST(InvalidConstants, AreReportedFromTheRender) {
   EXPECT_NE(p, (Point<World>())) << "not from the preparation";
 }
 
+class InvalidClosures : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(InvalidClosures, AreLeftOutAndReportedOnceWithTheFirstPlace) {
+  std::vector<render::MessageLog::InvalidSurface> reports;
+  for (const Schedule& schedule : schedules) {
+    const TestScene scene =
+        loadScene(R"(<integer name="max_depth" value="3"/>)", small,
+                  std::string(sky) + fmt::format(R"(<shape type="sphere"><bsdf type="invalid_closure">
+                    <string name="kind" value="{}"/></bsdf></shape>)",
+                                                 GetParam()));
+    ASSERT_TRUE(scene.scene());
+    auto film = scene.film();
+    const render::RenderReport report = scene.renderInto(*film, optionsOf(schedule, 4));
+    EXPECT_EQ(film->droppedCount(), 0u);
+    const auto invalid = scene.scene()->messages->invalidSurfaces();
+    ASSERT_EQ(invalid.size(), 1u);
+    const render::MessageLog::InvalidSurface& entry = invalid.begin()->second;
+    EXPECT_GT(entry.point.x, 0) << "the shader is right where x is negative";
+    EXPECT_GT(entry.count, 5u);
+    EXPECT_EQ(entry.count, report.statistics.invalidClosures);
+    reports.push_back(entry);
+    EXPECT_EQ(entry.count, reports[0].count);
+    EXPECT_EQ(entry.path, reports[0].path);
+    EXPECT_EQ(entry.point, reports[0].point);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, InvalidClosures, ::testing::Values("weight", "nan", "normal"),
+                         [](const auto& info) { return std::string(info.param); });
+
 TEST(Bounds, AnExceededOneIsCountedAndTheMeanIsRight) {
   const TestScene scene = loadScene("", {.fov = 60}, R"(<emitter type="constant"/><volume type="box">
       <transform name="to_world"><scale x="50" y="50" z="1"/></transform><medium type="ramp">

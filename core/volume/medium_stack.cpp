@@ -1,0 +1,94 @@
+#include "core/volume/medium_stack.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace aerosol::volume {
+
+namespace {
+
+constexpr std::uint32_t noObject = std::numeric_limits<std::uint32_t>::max();
+
+float iorOf(const Interior* interior) { return interior ? interior->ior : 1.0f; }
+
+}  // namespace
+
+const Medium* mediumOf(const Interior& interior) {
+  if (interior.scene) return interior.scene;
+  return interior.own ? &*interior.own : nullptr;
+}
+
+const MediumStack::Entry* MediumStack::find(std::uint32_t object) const {
+  const auto it = std::ranges::find(entries_, object, [](const Entry& entry) { return entry.interior.object; });
+  return it == entries_.end() ? nullptr : &*it;
+}
+
+const Interior* MediumStack::rulingWithout(std::uint32_t object) const {
+  const Interior* best = nullptr;
+  for (const Entry& entry : entries_) {
+    const Interior& interior = entry.interior;
+    if (interior.object == object) continue;
+    const bool isBetter =
+        !best || !best->priority || (interior.priority && isStronger(*interior.priority, *best->priority));
+    if (isBetter && (!best || !best->priority || interior.priority)) best = &interior;
+  }
+  return best;
+}
+
+const Interior* MediumStack::ruling() const { return rulingWithout(noObject); }
+
+const Medium* MediumStack::medium() const {
+  const Interior* interior = ruling();
+  return interior ? mediumOf(*interior) : nullptr;
+}
+
+float MediumStack::ior() const { return iorOf(ruling()); }
+
+Crossing MediumStack::judge(const Interior& interior, bool entering) const {
+  const Entry* known = find(interior.object);
+  const bool staysInside = known && (entering || known->count > 1);
+  const Interior* others = rulingWithout(interior.object);
+  // The winner with the interior and the one without it.
+  const Interior& own = known ? known->interior : interior;
+  const bool hidden = others && others->priority && own.priority && !isStronger(*own.priority, *others->priority);
+  const bool weaker = others && others->priority && !own.priority;
+  const float with = hidden || weaker ? iorOf(others) : own.ior;
+  const float without = iorOf(others);
+  Crossing crossing;
+  crossing.iorBefore = entering && !staysInside ? without : with;
+  crossing.iorAfter = entering || staysInside ? with : without;
+  if (interior.priority) crossing.isHit = !hidden && !staysInside;
+  return crossing;
+}
+
+void MediumStack::cross(const Interior& interior, bool entering, StackStatistics& statistics) {
+  if (!judge(interior, entering).isHit) ++statistics.rejectedHits;
+  const auto it =
+      std::ranges::find(entries_, interior.object, [](const Entry& entry) { return entry.interior.object; });
+  if (entering) {
+    if (it == entries_.end()) {
+      entries_.push_back({interior, 1});
+    } else {
+      ++statistics.repeatedEntries;
+      ++it->count;
+    }
+    return;
+  }
+  if (it == entries_.end()) {
+    ++statistics.exitsWithoutEntry;
+    return;
+  }
+  if (--it->count > 0) return;
+  // Of merged interiors the first one's medium stays until the last of them is left.
+  const auto heir = std::find_if(it + 1, entries_.end(), [&](const Entry& entry) {
+    return entry.interior.priority && entry.interior.priority == it->interior.priority;
+  });
+  if (heir != entries_.end()) {
+    Interior merged = std::move(it->interior);
+    merged.object = heir->interior.object;
+    heir->interior = std::move(merged);
+  }
+  entries_.erase(it);
+}
+
+}  // namespace aerosol::volume
