@@ -7,7 +7,7 @@ packages=(
   clang-19 clang-format-19 llvm-19-dev libclang-19-dev libclang-cpp19-dev libclang-rt-19-dev
   lld-19 mold ccache ninja-build cmake pkg-config libstdc++-12-dev
   # libraries of the program
-  libembree-dev libopenvdb-dev libnanovdb-dev libboost-dev libopenimageio-dev libopencolorio-dev libpugixml-dev
+  libembree-dev libopenvdb-dev libnanovdb-dev libboost-dev libnanoflann-dev libopenimageio-dev libopencolorio-dev libpugixml-dev
   libtbb-dev libimath-dev libopenexr-dev libcli11-dev libfmt-dev libxxhash-dev zlib1g-dev
   # tests
   libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev

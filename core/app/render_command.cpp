@@ -148,7 +148,8 @@ class Render {
     }
     image::ImageBuffer picture = makePicture(*film_, description_->film);
     picture.metadata = describeRender({arguments_, *description_, *scene_, report_, target_}, counts);
-    if (!accept(writeOutputs(outputs_, picture, description_->film))) return false;
+    const bool pointsAreSaved = accept(scene_->services->finish());
+    if (!accept(writeOutputs(outputs_, picture, description_->film)) || !pointsAreSaved) return false;
     if (!arguments_.quiet) {
       for (const std::string& name : outputs_) {
         console_.note(fmt::format("wrote {}: {} x {} pixels, {} samples a pixel, {}\n", name, picture.width,

@@ -37,6 +37,16 @@ constexpr std::array table = {
                "An environment image in a direction, filtered over an area given by its derivatives by x and y."},
     BuiltinRow{"gettextureinfo", "i(ss!?) i(sffs!?)", "gettextureinfo", host, true,
                "Puts an entry of a texture file's header into a variable of the same type; 0 when there is none."},
+    // Point clouds
+    BuiltinRow{"pointcloud_search", "i(spfi*)", "pointcloud_search", special, true,
+               "Puts attributes of the nearest points within a radius into arrays and gives their number: (cloud, "
+               "position, radius, at most, [whether to sort,] name, array ...). Attributes \"distance\" and \"index\" "
+               "are always there."},
+    BuiltinRow{
+        "pointcloud_get", "i(sIi*)", "pointcloud_get", special, true,
+        "Puts attributes of points into arrays: (cloud, indices, how many, name, array ...); 1 when all is there."},
+    BuiltinRow{"pointcloud_write", "i(sp*)", "pointcloud_write", host, false,
+               "Adds a point to a cloud that is saved when the image is finished: (cloud, position, name, value ...)."},
 };
 
 }  // namespace

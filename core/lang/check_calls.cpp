@@ -209,6 +209,7 @@ Type Checker::checkCall(Expression& expression, Call& call, const Type& expected
   if (call.function) useFunction(*call.function, expression.position);
   if (call.builtin) checkConstantStrings(expression, call);
   if (call.builtin && findTextureFunction(call.name)) checkTextureOptions(call);
+  if (call.builtin && (call.name == "pointcloud_search" || call.name == "pointcloud_get")) checkPointOutputs(call);
   if (call.closure) return checkClosureCall(expression, call, *call.closure);
   return chosen->result;
 }

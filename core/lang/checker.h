@@ -122,6 +122,8 @@ class Checker {
   void unknownFunction(Position position, std::string_view name);
   void checkConstantStrings(const Expression& expression, const Call& call);
   void checkTextureOptions(Call& call);
+  static constexpr std::size_t maximumPointOutputs = 24;
+  void checkPointOutputs(Call& call);
   std::string describe(const Candidate& candidate) const;
   const FunctionDeclaration* findOverload(std::string_view name, std::vector<Expression*> operands, Position position,
                                           const Type& expected, Type& result);

@@ -94,6 +94,7 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
     return {result, {}};
   }
   if (findTextureFunction(name)) return lowerTexture(expression, called);
+  if (name == "pointcloud_search" || name == "pointcloud_get") return lowerPointQuery(expression, called);
   if (name == "concat") return lowerConcat(expression, called);
   return lowerFormat(expression, called);
 }

@@ -197,6 +197,9 @@ class Lowerer {
   // lower_textures.cpp
   Value lowerTexture(const Expression& expression, const Call& called);
 
+  // lower_points.cpp
+  Value lowerPointQuery(const Expression& expression, const Call& called);
+
   // lower_closures.cpp
   Value lowerClosure(const Expression& expression, const Call& call);
 

@@ -56,9 +56,17 @@ class Slicer {
       default: {
         bool written = false;
         forEachWritten(program_, instruction, [&](VariableId id) { written = written || needed_[id]; });
-        return written || (readsMessages_ && (traitsOf(instruction) & writesMessages) != 0);
+        return written || (readsMessages_ && (traitsOf(instruction) & writesMessages) != 0) ||
+               (keepsMessages_ && changesWorld(instruction));
       }
     }
+  }
+
+  /// Like a message, what the host keeps is a result nobody in the program reads.
+  bool changesWorld(const Instruction& instruction) const {
+    if (instruction.op != Op::call) return false;
+    const FunctionUse& function = program_.functions[instruction.function];
+    return function.host && !function.pure;
   }
 
   std::uint8_t traitsOf(const Instruction& instruction) const {

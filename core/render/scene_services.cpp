@@ -1,6 +1,11 @@
 #include "core/render/scene_services.h"
 
+#include <fstream>
+
+#include "core/accel/point_cloud.h"
+#include "core/accel/point_writer.h"
 #include "core/grid/grid_file.h"
+#include "core/image/pending_file.h"
 #include "core/image/textures.h"
 
 namespace aerosol::render {
@@ -30,16 +35,71 @@ class SceneServices final : public shading::Services {
 
   bool isVoxelFile(std::string_view name) const override { return grid::isGridFile(name); }
 
-  const VoxelFile* voxels(std::string_view name, std::string& problem) override {
-    Voxels* entry = nullptr;
+  const PointCloud* points(std::string_view name, std::string& problem) override {
+    return open(points_, name, accel::readPoints, problem);
+  }
+
+  bool writePoint(std::string_view name, std::vector<PointAttribute> point, std::string& problem) override {
+    accel::PointWriter* writer = nullptr;
     {
       const std::lock_guard lock(mutex_);
-      auto& slot = voxels_[std::string(name)];
-      if (!slot) slot = std::make_unique<Voxels>();
+      auto& slot = writers_[std::string(name)];
+      if (!slot) slot = std::make_unique<accel::PointWriter>();
+      writer = slot.get();
+    }
+    return writer->add(std::move(point), problem);
+  }
+
+  Diagnostics finish() override {
+    const std::lock_guard lock(mutex_);
+    Diagnostics errors;
+    for (const auto& [name, writer] : writers_) {
+      std::string problem;
+      const auto content = writer->encode(std::filesystem::path(name).extension().string(), problem);
+      if (!content) {
+        errors.error({name, 0, 0}, problem);
+        continue;
+      }
+      auto file = image::PendingFile::create(name);
+      if (!file) {
+        errors.append(file.errors());
+      } else if (std::ofstream stream(file->path(), std::ios::binary); !(stream << *content).flush()) {
+        errors.error({name, 0, 0}, "cannot write the file");
+      } else {
+        stream.close();
+        errors.append(file->commit());
+      }
+    }
+    writers_.clear();
+    return errors;
+  }
+
+  const VoxelFile* voxels(std::string_view name, std::string& problem) override {
+    return open(voxels_, name, grid::readGrids, problem);
+  }
+
+ private:
+  template <class File>
+  struct Opened {
+    std::once_flag once;
+    std::shared_ptr<const File> file;
+    std::string problem;
+  };
+  template <class File>
+  using Files = std::map<std::string, std::unique_ptr<Opened<File>>, std::less<>>;
+
+  template <class File>
+  const File* open(Files<File>& files, std::string_view name,
+                   Result<std::shared_ptr<const File>> (*read)(const std::string&), std::string& problem) {
+    Opened<File>* entry = nullptr;
+    {
+      const std::lock_guard lock(mutex_);
+      auto& slot = files[std::string(name)];
+      if (!slot) slot = std::make_unique<Opened<File>>();
       entry = slot.get();
     }
     std::call_once(entry->once, [&] {
-      auto file = grid::readGrids(locate(name));
+      auto file = read(locate(name));
       if (file) {
         entry->file = std::move(*file);
       } else {
@@ -49,13 +109,6 @@ class SceneServices final : public shading::Services {
     problem = entry->problem;
     return entry->file.get();
   }
-
- private:
-  struct Voxels {
-    std::once_flag once;
-    std::shared_ptr<const VoxelFile> file;
-    std::string problem;
-  };
 
   static std::string textOf(const Diagnostics& errors) {
     std::string text;
@@ -78,7 +131,9 @@ class SceneServices final : public shading::Services {
   std::unique_ptr<TextureSource> textures_;
   std::string textureProblem_;
   std::mutex mutex_;
-  std::map<std::string, std::unique_ptr<Voxels>, std::less<>> voxels_;
+  Files<VoxelFile> voxels_;
+  Files<PointCloud> points_;
+  std::map<std::string, std::unique_ptr<accel::PointWriter>> writers_;
 };
 
 }  // namespace

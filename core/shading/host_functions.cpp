@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "core/shading/point_functions.h"
 #include "core/shading/texture_functions.h"
 
 namespace aerosol::shading {
@@ -13,11 +14,14 @@ namespace aerosol::shading {
 namespace {
 
 using Entry = std::pair<std::string_view, HostFunction>;
-constexpr std::array<Entry, 4> table = {{
+constexpr std::array<Entry, 7> table = {{
     {"texture", texture},
     {"texture3d", texture3d},
     {"environment", environment},
     {"gettextureinfo", getTextureInfo},
+    {"pointcloud_search", pointcloudSearch},
+    {"pointcloud_get", pointcloudGet},
+    {"pointcloud_write", pointcloudWrite},
 }};
 
 /// The table of strings as one call sees it: what its points make is charged to them.

@@ -30,6 +30,7 @@ BEGIN {
   wrap("clang/", "core/lang/preprocessor/")
   wrap("clang-c/", "core/lang/preprocessor/")
   wrap("embree", "core/accel/")
+  wrap("nanoflann", "core/accel/")
   wrap("OpenImageIO/", "core/image/module/")
   wrap("OpenColorIO/", "core/image/module/")
   wrap("OpenEXR/", "core/image/module/")
