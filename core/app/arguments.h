@@ -58,6 +58,16 @@ struct HelpArguments {
 
 struct VersionArguments {};
 
-using Arguments = std::variant<RenderArguments, CompileArguments, HelpArguments, VersionArguments>;
+/// The commands that stand for programs of OSL. Each reads its own words: their order counts.
+enum class Tool : std::uint8_t { compile, info, shade };
+
+struct ToolArguments {
+  Tool tool{};
+  bool isOsl = false;  ///< Called by the name of OSL's program: its output is what that prints, and nothing more.
+  std::vector<std::string> words;
+  std::vector<std::filesystem::path> shaderPath;  ///< $AEROSOL_SHADER_PATH.
+};
+
+using Arguments = std::variant<RenderArguments, CompileArguments, HelpArguments, VersionArguments, ToolArguments>;
 
 }  // namespace aerosol::app

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/app/tools/tool.h"
 #include "core/base/diagnostic.h"
 #include "core/scene/value.h"
 
@@ -174,6 +175,11 @@ void addCompile(CLI::App& program, CompileArguments& compile) {
   addKernelOptions(app, compile.kernels);
 }
 
+/// Listed here; what stands behind their names is read by themselves.
+void addTools(CLI::App& program) {
+  program.add_subcommand("shade", "Run shaders on a grid of points, as OSL's testshade does");
+}
+
 void addHelp(CLI::App& program, HelpArguments& help) {
   CLI::App& app = *program.add_subcommand("help", "Explain a command, the scene format, an object type or a shader");
   app.add_option("topic", help.topic, "A command, 'scene', an element or type of the scene format, or a shader")
@@ -200,6 +206,7 @@ struct Parser {
     app.add_flag("--version", version, "Show the versions of the program and its libraries");
     addRender(app, render);
     addCompile(app, compile);
+    addTools(app);
     addHelp(app, help);
     for (CLI::App* command : app.get_subcommands({})) command->group("Commands");
     app.footer(programExamples);  // Last, because commands inherit it.
@@ -282,6 +289,7 @@ std::vector<std::string> commandNames() {
 }
 
 std::string commandHelp(const std::string& command) {
+  if (const auto tool = toolOfCommand(command)) return toolHelp(*tool);
   const Parser parser;
   return command.empty() ? parser.app.help() : parser.app.get_subcommand(command)->help("aerosol");
 }
@@ -289,6 +297,13 @@ std::string commandHelp(const std::string& command) {
 std::variant<Arguments, Reply> parseCommandLine(const std::vector<std::string>& arguments,
                                                 std::string_view shaderPathVariable) {
   if (arguments.empty()) return Reply{ExitCode::usage, commandHelp({})};
+  if (const auto tool = toolOfCommand(arguments.front())) {
+    if (arguments.size() == 2 && (arguments[1] == "--help" || arguments[1] == "-h"))
+      return Reply{ExitCode::success, toolHelp(*tool)};
+    ToolArguments call{*tool, false, {arguments.begin() + 1, arguments.end()}, {}};
+    appendSearchPath(shaderPathVariable, call.shaderPath);
+    return Arguments(std::move(call));
+  }
   Parser parser;
   try {
     parser.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));

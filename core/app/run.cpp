@@ -7,6 +7,7 @@
 #include "core/app/compile_command.h"
 #include "core/app/help_command.h"
 #include "core/app/render_command.h"
+#include "core/app/tools/tool.h"
 #include "core/app/version_command.h"
 
 namespace aerosol::app {
@@ -19,14 +20,21 @@ struct Runner {
   ExitCode operator()(const RenderArguments& arguments) const { return renderCommand(arguments, console); }
   ExitCode operator()(const CompileArguments& arguments) const { return compileCommand(arguments, console); }
   ExitCode operator()(const HelpArguments& arguments) const { return helpCommand(arguments, console); }
+  ExitCode operator()(const ToolArguments& arguments) const { return runTool(arguments, console); }
   ExitCode operator()(const VersionArguments&) const { return versionCommand(console); }
 };
 
 }  // namespace
 
-ExitCode run(const std::vector<std::string>& arguments, const Console& console) {
+ExitCode run(const std::string& program, const std::vector<std::string>& arguments, const Console& console) {
   const char* const shaderPath = std::getenv("AEROSOL_SHADER_PATH");
-  const auto parsed = parseCommandLine(arguments, shaderPath ? shaderPath : "");
+  const auto tool = toolOfProgram(program);
+  std::variant<Arguments, Reply> parsed = Arguments(ToolArguments{});
+  if (tool) {
+    parsed = Arguments(ToolArguments{*tool, true, arguments, {}});
+  } else {
+    parsed = parseCommandLine(arguments, shaderPath ? shaderPath : "");
+  }
   ExitCode code = ExitCode::success;
   if (const Reply* reply = std::get_if<Reply>(&parsed)) {
     code = reply->code;

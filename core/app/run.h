@@ -9,7 +9,8 @@
 
 namespace aerosol::app {
 
-/// Runs the command that `arguments` (without the program's name) ask for.
-ExitCode run(const std::vector<std::string>& arguments, const Console& console);
+/// Runs the command that `arguments` ask for; `program` is the name that the program was called by, which may be that
+/// of a tool.
+ExitCode run(const std::string& program, const std::vector<std::string>& arguments, const Console& console);
 
 }  // namespace aerosol::app

@@ -8,6 +8,7 @@
 
 #include "core/image/module_access.h"
 #include "core/image/pending_file.h"
+#include "core/image/plain_image.h"
 
 namespace aerosol::image {
 
@@ -76,6 +77,25 @@ Result<ImageBuffer> readImage(const std::string& path) {
   std::string message = (*module)->read(path, image);
   if (!message.empty()) return fileError(path, std::move(message));
   return image;
+}
+
+Diagnostics writePlainImage(const std::string& path, const PlainImage& image, const PlainOptions& options) {
+  Diagnostics errors;
+  const std::string format = extensionOf(path);
+  if (format.empty()) {
+    errors.add(fileError(path, "this name has no extension that tells the format"));
+    return errors;
+  }
+  auto file = PendingFile::create(path);
+  if (!file) return file.errors();
+  const auto& module = table();
+  if (!module) return module.errors();
+  std::string message = (*module)->writePlain(file->path(), format, image, options);
+  if (!message.empty()) {
+    errors.add(fileError(path, std::move(message)));
+    return errors;
+  }
+  return file->commit();
 }
 
 Result<std::vector<std::string>> libraryVersions() {

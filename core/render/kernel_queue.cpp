@@ -220,6 +220,8 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
     case shading::Variant::coefficients:
       scatterCoefficients(queue, paths);
       break;
+    case shading::Variant::outputs:  // No scene makes these.
+      break;
   }
   return running_;
 }

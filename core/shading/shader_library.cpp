@@ -106,9 +106,10 @@ Result<std::shared_ptr<const lang::Program>> ShaderLibrary::find(const std::stri
   return missing;
 }
 
-std::string ShaderLibrary::manifestKey(const fs::path& file) const {
+std::string ShaderLibrary::manifestKey(const fs::path& file, const fs::path& absolute) const {
   StrongHash hash;
   hash.add("aerosol source").add(codeVersion()).add(file.string());
+  hash.add(absolute.string());
   for (const fs::path& path : options_.includePaths) hash.add(path.string());
   hash.add("defines");
   for (const std::string& define : options_.defines) hash.add(define);
@@ -121,16 +122,24 @@ Result<std::shared_ptr<const lang::Program>> ShaderLibrary::load(const fs::path&
   fs::path absolute = fs::absolute(file, ignored).lexically_normal();
   if (const auto known = loaded_.find(absolute); known != loaded_.end()) return known->second;
 
-  const std::string key = manifestKey(absolute);
+  const std::string key = manifestKey(file, absolute);
   std::shared_ptr<const lang::Program> program = cache_ ? fromCache(*cache_, key) : nullptr;
   if (!program) {
-    auto compiled = lang::compileFile(absolute, options_);
+    auto compiled = lang::compileFile(file, options_);
     if (!compiled) return compiled.errors();
     warnings.append(compiled->warnings);
     if (cache_) intoCache(*cache_, key, *compiled);
     program = compiled->program;
   }
   return loaded_[absolute] = program;
+}
+
+Result<std::shared_ptr<const lang::Program>> ShaderLibrary::compile(const std::string& text, const std::string& name,
+                                                                    Diagnostics& warnings) const {
+  auto compiled = lang::compileString(text, name, options_);
+  if (!compiled) return compiled.errors();
+  warnings.append(compiled->warnings);
+  return compiled->program;
 }
 
 }  // namespace aerosol::shading

@@ -26,8 +26,12 @@ class ShaderLibrary {
   Result<std::shared_ptr<const lang::Program>> find(const std::string& name, const SourceLocation& use,
                                                     Diagnostics& warnings);
 
-  /// The program of a source file.
+  /// The program of a source file. Messages name the file as it is named here.
   Result<std::shared_ptr<const lang::Program>> load(const std::filesystem::path& file, Diagnostics& warnings);
+
+  /// The program of a source text, for which `name` stands in messages.
+  Result<std::shared_ptr<const lang::Program>> compile(const std::string& text, const std::string& name,
+                                                       Diagnostics& warnings) const;
 
   /// Names of all shaders on the search path, sorted.
   std::vector<std::string> names() const;
@@ -35,7 +39,7 @@ class ShaderLibrary {
 
  private:
   std::vector<std::filesystem::path> folders() const;
-  std::string manifestKey(const std::filesystem::path& file) const;
+  std::string manifestKey(const std::filesystem::path& file, const std::filesystem::path& absolute) const;
 
   std::vector<std::filesystem::path> searchPath_;
   lang::CompileOptions options_;

@@ -85,6 +85,9 @@ std::vector<lang::Output> outputsOf(const lang::Program& program, Variant varian
       case Variant::surface:
         wanted = output.kind == OutputKind::siteWeight || output.kind == OutputKind::siteParameter;
         break;
+      case Variant::outputs:
+        wanted = output.kind == OutputKind::parameter;
+        break;
     }
     if (wanted) chosen.push_back(output);
   }
@@ -127,9 +130,9 @@ void writeInstanceData(Family& family, const jit::KernelInterface& interface) {
     AerosolInstanceHeader header;
     writeMatrix(instance.objectToWorld.matrix(), header.objectToWorld);
     writeMatrix(instance.objectToWorld.inverseMatrix(), header.worldToObject);
-    // A shader's own space is where it is placed: its object's.
-    writeMatrix(instance.objectToWorld.matrix(), header.shaderToWorld);
-    writeMatrix(instance.objectToWorld.inverseMatrix(), header.worldToShader);
+    const auto& shaderToWorld = instance.shaderToWorld.value_or(instance.objectToWorld);
+    writeMatrix(shaderToWorld.matrix(), header.shaderToWorld);
+    writeMatrix(shaderToWorld.inverseMatrix(), header.worldToShader);
     std::memcpy(block, &header, sizeof header);
     for (const jit::InstanceField& field : interface.fields) {
       const ConstantValue* value = valueOf(*family.program, instance, field.parameter);
@@ -175,7 +178,9 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
   };
   std::vector<Job> jobs;
   for (Family& family : families_) {
-    if (family.program->isVolume()) {
+    if (options.outputsAlone) {
+      jobs.push_back({&family, Variant::outputs, {}});
+    } else if (family.program->isVolume()) {
       jobs.push_back({&family, Variant::coefficients, {}});
       jobs.push_back({&family, Variant::extinction, {}});
     } else {
@@ -198,7 +203,9 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
   }
   if (errors.hasErrors()) return errors;
   for (Family& family : families_) {
-    const Variant any = family.program->isVolume() ? Variant::coefficients : Variant::surface;
+    const Variant any = options.outputsAlone         ? Variant::outputs
+                        : family.program->isVolume() ? Variant::coefficients
+                                                     : Variant::surface;
     writeInstanceData(family, family.kernel(any).interface());
   }
   return errors;

@@ -22,8 +22,9 @@ enum class Variant : std::uint8_t {
   coefficients,  ///< Volumes: everything.
   extinction,    ///< Volumes: sigmaT alone, for shadow rays; no messages.
   surface,       ///< Surfaces: weights and parameters of all closure sites.
+  outputs,       ///< Any shader: its output parameters. Made only when asked for.
 };
-inline constexpr std::size_t variantCount = 3;
+inline constexpr std::size_t variantCount = 4;
 
 /// A value that an instance gives to a parameter; its type is that of the program's parameter.
 struct ParameterValue {
@@ -37,6 +38,8 @@ std::optional<std::uint32_t> findParameter(const lang::Program& program, const s
 struct Instance {
   std::vector<ParameterValue> values;
   Transform<World, Object> objectToWorld;
+  /// The space that shaders call "shader"; none: where the object is.
+  std::optional<Transform<World, Object>> shaderToWorld;
 };
 
 /// An instance's place: its family, and its index there.
@@ -60,6 +63,7 @@ struct Family {
 struct ShadingOptions {
   jit::Target target;
   bool counters = false;
+  bool outputsAlone = false;  ///< Compile Variant::outputs of every family, and nothing else.
 };
 
 class ShadingSystem {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/image/image.h"
+#include "core/image/plain_image.h"
 
 namespace aerosol::image {
 
@@ -11,5 +12,7 @@ namespace aerosol::image {
 std::string writeFile(const std::string& path, const std::string& format, const ImageBuffer& image,
                       const WriteOptions& options, WriteReport& report);
 std::string readFile(const std::string& path, ImageBuffer& image);
+std::string writePlainFile(const std::string& path, const std::string& format, const PlainImage& image,
+                           const PlainOptions& options);
 
 }  // namespace aerosol::image

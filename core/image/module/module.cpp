@@ -21,7 +21,7 @@ std::vector<std::string> versions() {
 }  // namespace
 
 extern "C" __attribute__((visibility("default"))) const ModuleTable* aerosolImageModule() {
-  static constexpr ModuleTable table{writeFile, readFile, versions, makeTextures};
+  static constexpr ModuleTable table{writeFile, readFile, versions, makeTextures, writePlainFile};
   return &table;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/texture_source.h"
 #include "core/image/image.h"
+#include "core/image/plain_image.h"
 
 namespace aerosol::image {
 
@@ -19,6 +20,9 @@ struct ModuleTable {
   std::vector<std::string> (*versions)();
   /// Null, with a message, when the settings are refused.
   std::unique_ptr<TextureSource> (*textures)(const TextureSettings& settings, std::string& message);
+  /// Writes to `path` in the format that `format` (an extension) names.
+  std::string (*writePlain)(const std::string& path, const std::string& format, const PlainImage& image,
+                            const PlainOptions& options);
 };
 
 /// The name and type of the module's only exported function.

@@ -1,0 +1,64 @@
+#include "core/app/tools/shade_group.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/lang/compile.h"
+
+namespace aerosol::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A file of that name, or else a shader on the search path.
+Result<std::shared_ptr<const lang::Program>> findShader(const ShadeLayer& layer, shading::ShaderLibrary& library,
+                                                        Diagnostics& warnings) {
+  if (!layer.expression.empty()) return library.compile(layer.expression, layer.shader, warnings);
+  const bool hasExtension = layer.shader.ends_with(".osl");
+  const fs::path file = hasExtension ? layer.shader : layer.shader + ".osl";
+  std::error_code ignored;
+  if (fs::is_regular_file(file, ignored)) return library.load(file, warnings);
+  return library.find(hasExtension ? file.stem().string() : layer.shader, {}, warnings);
+}
+
+void bindValues(const ShadeLayer& layer, ShadeGroup& group) {
+  for (const NamedValue& given : layer.values) {
+    const auto index = shading::findParameter(*group.program, given.name);
+    if (!index) {
+      group.warnings.warning({}, "attempting to set nonexistent parameter: " + given.name);
+      continue;
+    }
+    const lang::Type& type = group.program->parameters[*index].type;
+    auto value = bindValue(type, given.value);
+    if (!value) {
+      group.warnings.warning({}, fmt::format("attempting to set parameter with wrong type: {} (expected '{}', "
+                                             "received '{}')",
+                                             given.name, lang::toString(type), lang::toString(given.value.type)));
+      continue;
+    }
+    std::erase_if(group.values, [&](const shading::ParameterValue& known) { return known.parameter == *index; });
+    group.values.push_back({*index, std::move(*value)});
+  }
+}
+
+}  // namespace
+
+Result<ShadeGroup> buildShadeGroup(const ShadeArguments& arguments, shading::ShaderLibrary& library) {
+  if (arguments.layers.size() != 1 || !arguments.connections.empty())
+    return Diagnostic{Severity::error, {}, "only a single shader can be run", {}, {}};
+  const ShadeLayer& layer = arguments.layers.front();
+  ShadeGroup group;
+  group.name = arguments.groupName.empty() ? "unnamed_group_1" : arguments.groupName;
+  auto program = findShader(layer, library, group.warnings);
+  if (!program) return program.errors();
+  group.program = std::move(*program);
+  group.shaders = {group.program->name};
+  group.layers = {layer.layer.empty() ? fmt::format("{}_{}", group.program->name, 0) : layer.layer};
+  bindValues(layer, group);
+  return group;
+}
+
+}  // namespace aerosol::app

@@ -1,0 +1,149 @@
+#!/usr/bin/env bash
+# aerosol shade: shaders on a grid, in the manner of testshade.
+source "${BASH_SOURCE[0]%/*}/library.sh"
+export XDG_CACHE_HOME=$work/cache
+
+# shows ARGS…: what `testshade ARGS…` writes to both streams is what stands on the standard input. It has to succeed.
+ln -s "$aerosol" testshade
+shows() {
+  cat >"$work/wanted"
+  "$work/testshade" "$@" >"$work/out" 2>&1 || fail "testshade $* ended with $?"
+  diff "$work/wanted" "$work/out" >"$work/difference" || fail "testshade $*: $(cat "$work/difference")"
+}
+
+cat >hello.osl <<'OSL'
+shader hello(float a = 0, float b = 1) { printf("hello, a+b = %g\n", a + b); }
+OSL
+
+echo "-- a shader that prints, its parameters"
+shows hello <<'OUT'
+hello, a+b = 1
+
+OUT
+shows --param a 3.14 --param b 5.0 hello <<'OUT'
+hello, a+b = 8.14
+
+OUT
+shows -param a 3.14 -param b 5 hello.osl <<'OUT'
+WARNING: attempting to set parameter with wrong type: b (expected 'float', received 'int')
+hello, a+b = 4.14
+
+OUT
+shows --param c 1 hello <<'OUT'
+WARNING: attempting to set nonexistent parameter: c
+hello, a+b = 1
+
+OUT
+
+echo "-- points, line by line"
+cat >where.osl <<'OSL'
+shader where(output color Cout = 0, output int even = 0) {
+  printf("%g %g: %g\n", u, v, P);
+  Cout = color(u, v, 0);
+  even = (int)(4 * u) % 2 == 0;
+}
+OSL
+shows -g 2 2 where <<'OUT'
+0 0: 0 0 1
+1 0: 1 0 1
+0 1: 0 1 1
+1 1: 1 1 1
+
+OUT
+shows -g 2 1 --center --scaleuv 2 2 --offsetuv 10 0 where -o Cout null <<'OUT'
+
+10.5 1: 10.5 1 1
+11.5 1: 11.5 1 1
+
+OUT
+shows --print -g 2 1 where -o Cout a.exr -o even b.tif <<'OUT'
+
+Output Cout to a.exr
+Output even to b.tif
+Pixel (0, 0):
+  Cout : 0 0.5 0
+  even : 1
+Pixel (1, 0):
+  Cout : 1 0.5 0
+  even : 1
+0 0.5: 0 0.5 1
+1 0.5: 1 0.5 1
+OUT
+hasOnly "./difference ./hello.osl ./wanted ./where.osl"
+
+echo "-- named spaces"
+cat >spaces.osl <<'OSL'
+shader spaces() {
+  point p = point(1, 0, 0);
+  printf("%.4f\n", transform("shader", "common", p));
+  printf("%.4f\n", transform("object", "common", p));
+  printf("%.4f\n", transform("common", "myspace", point(1, 1, 1)));
+}
+OSL
+shows spaces <<'OUT'
+1.7071 0.7071 0.0000
+-0.0000 2.0000 0.0000
+1.0000 0.5000 1.0000
+
+OUT
+
+echo "-- warnings and errors of shaders, each once"
+cat >wrong.osl <<'OSL'
+shader wrong() {
+  warning("half is %g", 0.5);
+  error("bad");
+  float a[3];
+  a[0] = u;
+  printf("%g\n", a[(int)(v * 20)]);
+}
+OSL
+shows -g 1 2 --groupname g --layer one wrong <<'OUT'
+WARNING: Shader warning [wrong]: half is 0.5
+ERROR: Shader error [wrong]: bad
+0.5
+ERROR: Index [20] out of range a[0..2]: wrong.osl:6 (group g, layer 0 one, shader wrong)
+0
+
+OUT
+
+echo "-- expressions and images"
+shows --expr "result = color(s, t, 0.25)" -g 3 2 -o result grid.exr -o alpha alpha.tif <<'OUT'
+
+Output result to grid.exr
+Output alpha to alpha.tif
+OUT
+# Bytes of a 3 x 2 picture without compression: 255 times the value, rounded.
+shows --expr 'result = color(u, v, 0.4)' -g 3 2 -o result grid.ppm -od uint8 <<'OUT'
+
+Output result to grid.ppm
+OUT
+pixels=$(tail -c 18 grid.ppm | od -An -v -tu1 | tr -s ' \n' ' ')
+[ "$pixels" = " 0 0 102 128 0 102 255 0 102 0 255 102 128 255 102 255 255 102 " ] || fail "pixels are$pixels"
+shows --expr 'result = 0.5' -o result half.tif -o result srgb.png -d half <<'OUT'
+
+Output result to half.tif
+Output result to srgb.png
+OUT
+[ -s half.tif ] && [ -s srgb.png ] || fail "a picture is missing"
+
+echo "-- threads and width do not matter"
+"$work/testshade" -g 100 70 where -t 1 --width 1 >one 2>&1 || fail "one thread"
+"$work/testshade" -g 100 70 where -t 4 >four 2>&1 || fail "four threads"
+cmp -s one four || fail "threads or width change the messages"
+
+echo "-- mistakes"
+expect 2 shade
+said err "no shader"
+expect 2 shade --grp x hello
+said err "'--group'"
+expect 1 shade nothing
+said err "nothing"
+expect 2 shade hello --param a 1
+said err "--param comes before its shader"
+expect 0 shade --debugnan hello -o color x.exr
+said err "--debugnan means nothing here"
+said err "there is no output 'color'"
+expect 1 shade where -o Cout a.nonsense
+said err "a.nonsense"
+expect 0 help shade
+said out "--connect LAYER OUTPUT LAYER INPUT"
