@@ -29,6 +29,7 @@ int componentsOf(const lang::Type& type) {
 
 /// Consecutive points that are shaded together.
 struct GridShader::Block {
+  shading::PointArrays& points;
   shading::Batch& batch;
   shading::KernelHost& host;
   int first = 0, count = 0;
@@ -80,11 +81,10 @@ Shaded GridShader::emptyOutputs(const ShadeGrid& grid) const {
 }
 
 void GridShader::shadeBlock(const ShadeGrid& grid, Block& block, Shaded& shaded) const {
-  for (int i = 0; i < block.count; ++i) {
-    const int point = block.first + i;
-    block.batch.set(i, gridPoint(grid, point % grid.width, point / grid.width), 0);
-  }
-  block.batch.run(block.host, block.count);
+  block.points.shrink(0);
+  for (int point = block.first; point < block.first + block.count; ++point)
+    block.points.push(gridPoint(grid, point % grid.width, point / grid.width), 0);
+  block.batch.run(block.host, block.points, 0);
 
   const jit::KernelInterface& interface = block.batch.interface();
   for (std::size_t i = 0; i < interface.outputs.size(); ++i) {
@@ -133,10 +133,11 @@ Shaded GridShader::run(const ShadeGrid& grid, int threads) const {
   std::atomic<int> next{0};
   const auto work = [&] {
     shading::Batch batch(std::min(points, blockPoints));
-    batch.begin(family(), shading::Variant::outputs);
+    shading::PointArrays arrays;
+    arrays.bind(family(), shading::Variant::outputs);
     shading::KernelHost host(spaces, loopBudget);
     for (int i = next++; i < blocks; i = next++) {
-      Block block{batch, host, i * blockPoints, std::min(blockPoints, points - i * blockPoints), {}};
+      Block block{arrays, batch, host, i * blockPoints, std::min(blockPoints, points - i * blockPoints), {}};
       shadeBlock(grid, block, shaded);
       messages[static_cast<std::size_t>(i)] = std::move(block.messages);
     }
