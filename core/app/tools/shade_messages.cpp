@@ -20,9 +20,10 @@ std::string textOf(const ShadedMessage& message, const ShadedPlace& place) {
                          message.text, length - 1, message.location.file, message.location.line, place.group,
                          place.layerNumber, place.layer, place.shader);
     }
+    case AEROSOL_REPORT_HOST:
+      return fmt::format("ERROR: {}", message.text);
     default:
-      return fmt::format("ERROR: loop stopped, it ran out of its budget of iterations: {}:{}", message.location.file,
-                         message.location.line);
+      return fmt::format("ERROR: {}: {}:{}", message.text, message.location.file, message.location.line);
   }
 }
 

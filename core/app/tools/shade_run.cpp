@@ -52,15 +52,6 @@ Result<GridShader> GridShader::create(const Toolchain& toolchain, std::shared_pt
   return shader;
 }
 
-std::string GridShader::textOf(std::uint64_t hash) const {
-  if (hash == 0) return {};
-  const auto& known = family().kernel(shading::Variant::outputs).interface().strings;
-  if (const auto found = known.find(hash); found != known.end()) return found->second;
-  for (const auto& [key, text] : family().strings)
-    if (key == hash) return text;
-  return {};
-}
-
 Shaded GridShader::emptyOutputs(const ShadeGrid& grid) const {
   Shaded shaded;
   const std::size_t points = static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height);
@@ -104,10 +95,12 @@ void GridShader::shadeBlock(const ShadeGrid& grid, Block& block, Shaded& shaded)
     } else {
       auto& texts = std::get<std::vector<std::string>>(output->values);
       const auto* hashes = reinterpret_cast<const std::uint64_t*>(lanes);
-      for (int lane = 0; lane < block.count; ++lane) texts[place(lane)] = textOf(hashes[lane]);
+      for (int lane = 0; lane < block.count; ++lane)
+        texts[place(lane)] = block.host.calls().strings().text(hashes[lane]);
     }
   }
 
+  const auto textOf = [&](std::uint64_t hash) { return block.host.calls().strings().text(hash); };
   // One point's records are in call order; points come one after the other.
   std::vector<shading::Record> records = std::move(block.host.records());
   block.host.records().clear();
@@ -116,11 +109,10 @@ void GridShader::shadeBlock(const ShadeGrid& grid, Block& block, Shaded& shaded)
   std::ranges::sort(order);
   for (const auto& [lane, i] : order) {
     shading::Record& record = records[i];
-    const jit::MessageSite& site = interface.sites[record.site];
-    const bool isReport = record.kind == AEROSOL_REPORT_INDEX || record.kind == AEROSOL_REPORT_BUDGET;
-    std::string text =
-        isReport ? site.format : shading::describe(record, site, [this](std::uint64_t hash) { return textOf(hash); });
-    block.messages.push_back({record.kind, site.location, std::move(text), std::move(record.values)});
+    const bool isIndex = record.kind == AEROSOL_REPORT_INDEX;
+    std::string text = isIndex ? interface.sites[record.site].format : shading::describe(record, interface, textOf);
+    block.messages.push_back(
+        {record.kind, shading::locationOf(record, interface), std::move(text), std::move(record.values)});
   }
 }
 

@@ -50,7 +50,6 @@ class GridShader {
   const shading::Family& family() const { return system_.families().front(); }
   void shadeBlock(const ShadeGrid& grid, Block& block, Shaded& shaded) const;
   Shaded emptyOutputs(const ShadeGrid& grid) const;
-  std::string textOf(std::uint64_t hash) const;
 
   shading::ShadingSystem system_;
 };
