@@ -46,9 +46,22 @@ struct RenderArguments {
   KernelArguments kernels;
 };
 
+/// The rule for make that says what a shader depends on.
+struct DependencyArguments {
+  bool wanted = false;
+  bool alone = false;            ///< Nothing else is made; the rule is printed.
+  bool standardLibrary = false;  ///< Names the standard library's header too.
+  std::string file, target;      ///< Empty: named after the shader.
+};
+
 struct CompileArguments {
   std::vector<std::filesystem::path> shaders;
-  KernelArguments kernels;
+  std::string outputFile;
+  std::vector<std::string> defines, undefines;
+  bool preprocessOnly = false, warningsAreErrors = false, quiet = false, verbose = false;
+  DependencyArguments dependencies;
+  std::vector<std::string> ignored;  ///< Options that mean nothing here, as they were spelled.
+  KernelArguments kernels;           ///< Its shader path is searched for includes.
 };
 
 struct HelpArguments {
@@ -68,6 +81,6 @@ struct ToolArguments {
   std::vector<std::filesystem::path> shaderPath;  ///< $AEROSOL_SHADER_PATH.
 };
 
-using Arguments = std::variant<RenderArguments, CompileArguments, HelpArguments, VersionArguments, ToolArguments>;
+using Arguments = std::variant<RenderArguments, HelpArguments, VersionArguments, ToolArguments>;
 
 }  // namespace aerosol::app

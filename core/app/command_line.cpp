@@ -32,10 +32,6 @@ constexpr const char* renderExamples = R"(Examples:
 Ctrl-C ends the render and writes what there is, with its number of samples in the file's metadata; pressed once more,
 it ends the program at once.)";
 
-constexpr const char* compileExamples = R"(Examples:
-  aerosol compile cloud.osl
-  aerosol compile --width 8 --isa avx2 shaders/*.osl)";
-
 /// Wide enough for the longest option, so that all texts stand in one column.
 constexpr std::size_t optionColumn = 31;
 
@@ -168,15 +164,10 @@ void addRender(CLI::App& program, RenderArguments& render) {
   app.add_flag("--count-lanes", render.countLanes, "Print statistics with the lanes used inside shaders (slower)");
 }
 
-void addCompile(CLI::App& program, CompileArguments& compile) {
-  CLI::App& app = *program.add_subcommand("compile", "Check and compile shaders, and report about them");
-  app.footer(compileExamples);
-  app.add_option("shader", compile.shaders, "OSL source files")->required()->option_text("...");
-  addKernelOptions(app, compile.kernels);
-}
-
 /// Listed here; what stands behind their names is read by themselves.
 void addTools(CLI::App& program) {
+  program.add_subcommand("compile", "Check and compile shaders, and report about them, as OSL's oslc does");
+  program.add_subcommand("info", "Show what shaders take and give, as OSL's oslinfo does");
   program.add_subcommand("shade", "Run shaders on a grid of points, as OSL's testshade does");
 }
 
@@ -191,7 +182,6 @@ void addHelp(CLI::App& program, HelpArguments& help) {
 struct Parser {
   CLI::App app{"Aerosol, a path tracer for scripted volumes", "aerosol"};
   RenderArguments render;
-  CompileArguments compile;
   HelpArguments help;
   bool version = false;
 
@@ -205,7 +195,6 @@ struct Parser {
     app.require_subcommand(0, 1);
     app.add_flag("--version", version, "Show the versions of the program and its libraries");
     addRender(app, render);
-    addCompile(app, compile);
     addTools(app);
     addHelp(app, help);
     for (CLI::App* command : app.get_subcommands({})) command->group("Commands");
@@ -317,11 +306,10 @@ std::variant<Arguments, Reply> parseCommandLine(const std::vector<std::string>& 
                       isProgram ? "see: aerosol --help" : "see: aerosol help " + parser.chosen().get_name());
   }
   if (parser.version) return Arguments(VersionArguments{});
-  for (KernelArguments* kernels : {&parser.render.kernels, &parser.compile.kernels, &parser.help.kernels}) {
+  for (KernelArguments* kernels : {&parser.render.kernels, &parser.help.kernels}) {
     appendSearchPath(shaderPathVariable, kernels->shaderPath);
   }
   if (parser.chose("render")) return Arguments(std::move(parser.render));
-  if (parser.chose("compile")) return Arguments(std::move(parser.compile));
   if (parser.chose("help")) return Arguments(std::move(parser.help));
   return usageError("no command is given", fmt::format("commands are {}", fmt::join(commandNames(), ", ")));
 }

@@ -75,15 +75,18 @@ std::string describe(const lang::Program& program, const std::vector<Variant>& v
   return text + "\n";
 }
 
-bool compileShader(const std::filesystem::path& file, const Toolchain& toolchain, shading::ShaderLibrary& library,
-                   const Console& console) {
+bool compileShader(const std::filesystem::path& file, bool warningsAreErrors, const Toolchain& toolchain,
+                   shading::ShaderLibrary& library, const Console& console) {
   Diagnostics warnings;
   const auto program = library.load(file, warnings);
+  if (warningsAreErrors)
+    for (Diagnostic& warning : warnings.entries()) warning.severity = Severity::error;
   console.report(warnings);
   if (!program) {
     console.report(program.errors());
     return false;
   }
+  if (warningsAreErrors && !warnings.empty()) return false;
   const bool isPlaced = (*program)->kind == "volume" || (*program)->kind == "surface";
   const auto variants = isPlaced ? compileForScene(*program, toolchain) : compileOutputs(*program, toolchain);
   if (!variants) {
@@ -104,10 +107,11 @@ ExitCode compileCommand(const CompileArguments& arguments, const Console& consol
     console.report(toolchain.errors());
     return ExitCode::badInput;
   }
-  shading::ShaderLibrary library = openShaderLibrary(arguments.kernels, toolchain->installation, toolchain->cache);
+  shading::ShaderLibrary library = openShaderLibrary(arguments.kernels, toolchain->installation, toolchain->cache,
+                                                     arguments.defines, arguments.undefines);
   bool allCompiled = true;
   for (const std::filesystem::path& shader : arguments.shaders) {
-    allCompiled = compileShader(shader, *toolchain, library, console) && allCompiled;
+    allCompiled = compileShader(shader, arguments.warningsAreErrors, *toolchain, library, console) && allCompiled;
   }
   return allCompiled ? ExitCode::success : ExitCode::badInput;
 }

@@ -4,7 +4,6 @@
 #include <variant>
 
 #include "core/app/command_line.h"
-#include "core/app/compile_command.h"
 #include "core/app/help_command.h"
 #include "core/app/render_command.h"
 #include "core/app/tools/tool.h"
@@ -18,7 +17,6 @@ struct Runner {
   const Console& console;
 
   ExitCode operator()(const RenderArguments& arguments) const { return renderCommand(arguments, console); }
-  ExitCode operator()(const CompileArguments& arguments) const { return compileCommand(arguments, console); }
   ExitCode operator()(const HelpArguments& arguments) const { return helpCommand(arguments, console); }
   ExitCode operator()(const ToolArguments& arguments) const { return runTool(arguments, console); }
   ExitCode operator()(const VersionArguments&) const { return versionCommand(console); }

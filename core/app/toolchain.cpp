@@ -31,11 +31,14 @@ Result<Toolchain> openToolchain(const KernelArguments& arguments, Diagnostics& w
 }
 
 shading::ShaderLibrary openShaderLibrary(const KernelArguments& arguments, const Installation& installation,
-                                         std::shared_ptr<jit::ObjectCache> cache) {
+                                         std::shared_ptr<jit::ObjectCache> cache, std::vector<std::string> defines,
+                                         std::vector<std::string> undefines) {
   std::vector<std::filesystem::path> path = arguments.shaderPath;
   path.push_back(installation.shaders);
   lang::CompileOptions options;
   options.includePaths = path;
+  options.defines = std::move(defines);
+  options.undefines = std::move(undefines);
   options.standardLibrary = installation.shaders / "stdosl.h";
   return {path, options, std::move(cache)};
 }

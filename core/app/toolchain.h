@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/app/arguments.h"
@@ -30,6 +31,7 @@ std::shared_ptr<jit::ObjectCache> openCache(const KernelArguments& arguments, Di
 
 /// Shaders outside a scene: those of the arguments' path and of the installation.
 shading::ShaderLibrary openShaderLibrary(const KernelArguments& arguments, const Installation& installation,
-                                         std::shared_ptr<jit::ObjectCache> cache);
+                                         std::shared_ptr<jit::ObjectCache> cache, std::vector<std::string> defines = {},
+                                         std::vector<std::string> undefines = {});
 
 }  // namespace aerosol::app

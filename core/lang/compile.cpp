@@ -5,6 +5,7 @@
 #include "core/base/paths.h"
 #include "core/lang/analysis.h"
 #include "core/lang/check.h"
+#include "core/lang/compiled_file.h"
 #include "core/lang/lower.h"
 #include "core/lang/parser.h"
 
@@ -39,7 +40,7 @@ Result<CompiledSource> compile(Result<ParsedSource> parsed) {
 Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();
-  return compile(parseFile(path, *complete));
+  return compile(parseShaderFile(path, *complete));
 }
 
 Result<CompiledSource> compileString(const std::string& text, const std::string& name, const CompileOptions& options) {

@@ -14,6 +14,7 @@ namespace aerosol::lang {
 struct CompileOptions {
   std::vector<std::filesystem::path> includePaths;  ///< Searched for `#include`, after the including file's folder.
   std::vector<std::string> defines;                 ///< NAME or NAME=VALUE.
+  std::vector<std::string> undefines;               ///< Macros that are removed before `defines` count.
   std::filesystem::path standardLibrary;            ///< stdosl.h; empty: the installed one.
 };
 
@@ -29,8 +30,8 @@ struct CompiledSource {
   Diagnostics warnings;
 };
 
-/// Compiles the shader of a source file. (The last `shader` declaration is the shader, as in OSL.)
-/// Errors carry positions with their source lines; as many as can be found in one run.
+/// Compiles the shader of a source file, or of a compiled file (compiled_file.h). (The last `shader` declaration is the
+/// shader, as in OSL.) Errors carry positions with their source lines; as many as can be found in one run.
 Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options);
 
 /// The same from a string; `name` stands for the file in messages.

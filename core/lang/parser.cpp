@@ -239,6 +239,7 @@ PreprocessRequest requestFor(const CompileOptions& options) {
           .text = {},
           .includePaths = options.includePaths,
           .defines = options.defines,
+          .undefines = options.undefines,
           .prelude = options.standardLibrary};
 }
 

@@ -365,6 +365,14 @@ std::string predefines(const PreprocessRequest& request, Diagnostics& diagnostic
       "#define OSL_VERSION {3}\n",
       oslVersionMajor, oslVersionMinor, oslVersionPatch,
       10000 * oslVersionMajor + 100 * oslVersionMinor + oslVersionPatch);
+  for (const std::string& name : request.undefines) {
+    const auto define = defineLine(name);
+    if (define && name.find_first_of("=(") == std::string::npos) {
+      lines += fmt::format("#undef {}\n", name);
+    } else {
+      diagnostics.error({.file = "-U " + name}, "this is not the name of a macro");
+    }
+  }
   for (const std::string& define : request.defines) {
     if (const auto line = defineLine(define)) {
       lines += *line;

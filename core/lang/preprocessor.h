@@ -31,7 +31,8 @@ struct PreprocessRequest {
   std::string mainFile;  ///< Path; with `text` its name in messages. Includes are searched in its folder first.
   std::optional<std::string> text;  ///< The main file's contents, when they are not to be read from `mainFile`.
   std::vector<std::filesystem::path> includePaths;
-  std::vector<std::string> defines;  ///< NAME (defined as 1) or NAME=VALUE.
+  std::vector<std::string> defines;    ///< NAME (defined as 1) or NAME=VALUE.
+  std::vector<std::string> undefines;  ///< Removed before `defines` count.
   /// Included before the first line (stdosl.h); empty: nothing. Its folder is searched last. An explicit include of a
   /// file of its name means this file, wherever a file of that name lies, and has no further effect.
   std::filesystem::path prelude;

@@ -113,6 +113,8 @@ std::string ShaderLibrary::manifestKey(const fs::path& file, const fs::path& abs
   for (const fs::path& path : options_.includePaths) hash.add(path.string());
   hash.add("defines");
   for (const std::string& define : options_.defines) hash.add(define);
+  hash.add("undefines");
+  for (const std::string& name : options_.undefines) hash.add(name);
   hash.add(options_.standardLibrary.string());
   return "source-" + hash.hex();
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/app/tools/shader_files.h"
 #include "core/lang/compile.h"
 
 namespace aerosol::app {
@@ -13,15 +14,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file of that name, or else a shader on the search path.
+/// In the current folder, or else on the search path.
 Result<std::shared_ptr<const lang::Program>> findShader(const ShadeLayer& layer, shading::ShaderLibrary& library,
                                                         Diagnostics& warnings) {
   if (!layer.expression.empty()) return library.compile(layer.expression, layer.shader, warnings);
-  const bool hasExtension = layer.shader.ends_with(".osl");
-  const fs::path file = hasExtension ? layer.shader : layer.shader + ".osl";
-  std::error_code ignored;
-  if (fs::is_regular_file(file, ignored)) return library.load(file, warnings);
-  return library.find(hasExtension ? file.stem().string() : layer.shader, {}, warnings);
+  std::vector<fs::path> folders = {""};
+  folders.insert(folders.end(), library.searchPath().begin(), library.searchPath().end());
+  if (const auto file = findShaderFile(layer.shader, folders)) return library.load(*file, warnings);
+  return library.find(layer.shader, {}, warnings);  // Says what there is.
 }
 
 void bindValues(const ShadeLayer& layer, ShadeGroup& group) {

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "core/app/tools/compile_tool.h"
+#include "core/app/tools/info_command.h"
 #include "core/app/tools/shade_arguments.h"
 #include "core/app/tools/shade_command.h"
 
@@ -16,7 +18,9 @@ struct ToolRow {
   ExitCode (*run)(const ToolArguments& arguments, const Console& console);
 };
 
-constexpr std::array rows = {ToolRow{Tool::shade, "shade", "testshade", shadeHelp, shadeCommand}};
+constexpr std::array rows = {ToolRow{Tool::compile, "compile", "oslc", compileHelp, compileTool},
+                             ToolRow{Tool::info, "info", "oslinfo", infoHelp, infoCommand},
+                             ToolRow{Tool::shade, "shade", "testshade", shadeHelp, shadeCommand}};
 
 const ToolRow& rowOf(Tool tool) {
   std::size_t i = 0;

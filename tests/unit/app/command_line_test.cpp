@@ -82,10 +82,10 @@ TEST(CommandLine, RepeatedOptionsTakeOneValueEach) {
 }
 
 TEST(CommandLine, SearchesFoldersOfOptionsBeforeThoseOfTheEnvironment) {
-  const auto arguments = parsed<CompileArguments>(
-      {"compile", "a.osl", "b.osl", "--shader-path", "x", "--shader-path", "y"}, ":/one::/two:");
-  EXPECT_THAT(arguments.shaders, ElementsAre("a.osl", "b.osl"));
+  const auto arguments =
+      parsed<RenderArguments>({"render", "a.xml", "--shader-path", "x", "--shader-path", "y"}, ":/one::/two:");
   EXPECT_THAT(arguments.kernels.shaderPath, ElementsAre("x", "y", "/one", "/two"));
+  EXPECT_THAT(parsed<ToolArguments>({"compile", "a.osl"}, "/one").shaderPath, ElementsAre("/one"));
 }
 
 TEST(CommandLine, KnowsHelpAndVersion) {
@@ -116,11 +116,10 @@ TEST(CommandLine, RefusesWithAHint) {
             "aerosol: error: unknown option '--sp'\n  note: did you mean '--spp', '--isa' or '--set'?\n");
   EXPECT_EQ(refusal({"rendr", "a.xml"}), "aerosol: error: unknown command 'rendr'\n  note: did you mean 'render'?\n");
   EXPECT_EQ(refusal({"paint"}),
-            "aerosol: error: unknown command 'paint'\n  note: commands are render, compile, shade, help\n");
+            "aerosol: error: unknown command 'paint'\n  note: commands are render, compile, info, shade, help\n");
   EXPECT_EQ(refusal({"render", "a.xml", "b.xml"}),
             "aerosol: error: unexpected argument 'b.xml'\n  note: see: aerosol help render\n");
   EXPECT_THAT(refusal({"render"}), HasSubstr("scene is required"));
-  EXPECT_THAT(refusal({"compile"}), HasSubstr("shader is required"));
   EXPECT_THAT(refusal({}), HasSubstr("Usage: aerosol"));
 }
 

@@ -1,0 +1,71 @@
+#include "core/lang/shader_interface.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/lang/check.h"
+#include "core/lang/compiled_file.h"
+#include "core/lang/lower.h"
+
+namespace aerosol::lang {
+
+namespace {
+
+ParameterInterface interfaceOf(const Parameter& parameter) {
+  ParameterInterface result;
+  result.name = parameter.name;
+  result.type = parameter.type;
+  result.isOutput = parameter.isOutput;
+  if (parameter.hasConstantDefault && !parameter.type.closure) result.defaultValue = parameter.defaultValue;
+  result.metadata = parameter.metadata;
+  return result;
+}
+
+/// Parameters that are structures, and structures within them, stand before their fields. Metadata belong to the whole.
+class Collector {
+ public:
+  explicit Collector(const Program& program) : program_(program) {}
+
+  void add(const std::string& name, const Type& type, bool isOutput) {
+    if (type.base != BaseType::structure) {
+      const auto found = std::ranges::find(program_.parameters, name, &Parameter::name);
+      if (found != program_.parameters.end()) {
+        parameters_.push_back(interfaceOf(*found));
+      } else {
+        parameters_.push_back({.name = name, .type = type, .isOutput = isOutput});  // A closure.
+      }
+      return;
+    }
+    ParameterInterface whole{.name = name, .type = {BaseType::structure, false, type.arrayLength, nullptr}};
+    whole.isOutput = isOutput;
+    whole.structName = type.structure->name;
+    for (const StructField& field : type.structure->fields) whole.fields.push_back(field.name);
+    parameters_.push_back(std::move(whole));
+    for (const StructField& field : type.structure->fields)
+      add(name + "." + field.name, type.isArray() ? field.type.arrayOf(type.arrayLength) : field.type, isOutput);
+  }
+
+  std::vector<ParameterInterface> take() { return std::move(parameters_); }
+
+ private:
+  const Program& program_;
+  std::vector<ParameterInterface> parameters_;
+};
+
+}  // namespace
+
+Result<ShaderInterface> readShaderInterface(const std::filesystem::path& path, const CompileOptions& options) {
+  auto parsed = parseShaderFile(path, options);
+  if (!parsed) return parsed.errors();
+  Diagnostics diagnostics;
+  const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics);
+  if (diagnostics.hasErrors()) return diagnostics;
+  const auto program = lower(*checked, *parsed->sourceMap, diagnostics);
+  if (!program) return diagnostics;
+  Collector collector(*program);
+  for (const auto& declaration : checked->shader->parameters)
+    collector.add(declaration->name, declaration->type, declaration->isOutput);
+  return ShaderInterface{program->kind, program->name, program->metadata, collector.take()};
+}
+
+}  // namespace aerosol::lang
