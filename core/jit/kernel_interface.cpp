@@ -92,8 +92,9 @@ class Transfer {
         },
         value);
   }
+  void one(Field<lang::ClosureLayer>& layer) { (*this)(layer.top, layer.weight); }
   void one(Field<lang::ClosureSite>& site) {
-    (*this)(site.closure, site.location, site.parameterTypes, site.parameterNames);
+    (*this)(site.closure, site.location, site.parameterTypes, site.parameterNames, site.layers);
   }
   void one(std::map<std::uint64_t, std::string>& strings) {
     for (std::size_t count = stream_.count(); count > 0 && !stream_.failed(); --count) {

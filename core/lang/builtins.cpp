@@ -88,14 +88,24 @@ constexpr std::array table = {
     BuiltinRow{"getmatrix", "i(ss!m)", "getmatrix", special, true,
                "Matrix between two named spaces; 0 when one is unknown."},
     // Patterns
-    BuiltinRow{"noise", "r(f) r(ff) r(p) r(pf) r(sf) r(sff) r(sp) r(spf)", "uperlin", special, true,
-               "Unsigned Perlin noise, or the kind named first."},
+    BuiltinRow{
+        "noise", "r(f) r(ff) r(p) r(pf) r(sf*) r(sff*) r(sp*) r(spf*)", "uperlin", special, true,
+        "Unsigned Perlin noise, or the kind named first; behind the place, pairs of a name and a value are options "
+        "of gabor noise."},
     BuiltinRow{"snoise", noiseSignatures, "perlin", call, true, "Signed Perlin noise."},
     BuiltinRow{"cellnoise", noiseSignatures, "cell", call, true, "Constant on unit cells, in [0, 1]."},
     BuiltinRow{"hashnoise", noiseSignatures, "hash", call, true, "Uncorrelated value in [0, 1] for every coordinate."},
-    BuiltinRow{"pnoise", "r(ff) r(ffff) r(pp) r(pfpf) r(sff) r(sffff) r(spp) r(spfpf)", "puperlin", special, true,
-               "Periodic unsigned Perlin noise, or the kind named first."},
+    BuiltinRow{"pnoise", "r(ff) r(ffff) r(pp) r(pfpf) r(sff*) r(sffff*) r(spp*) r(spfpf*)", "puperlin", special, true,
+               "Periodic unsigned Perlin noise, or the kind named first, with options as in noise."},
     BuiltinRow{"psnoise", periodicSignatures, "pperlin", call, true, "Periodic signed Perlin noise."},
+    BuiltinRow{"pcellnoise", periodicSignatures, "pcell", call, true, "Periodic cell noise."},
+    BuiltinRow{"phashnoise", periodicSignatures, "phash", call, true, "Periodic hash noise."},
+    BuiltinRow{"spline", "g(sfgggg*)", "", special, true,
+               "Value at x in [0, 1] of a spline with the given knots (also as an array, or a count and an array); the "
+               "basis is catmull-rom, bezier, bspline, hermite, linear or constant."},
+    BuiltinRow{"splineinverse", "f(sfffff*)", "", special, true,
+               "The x at which spline gives the value; the knots rise or fall."},
+    BuiltinRow{"aerosol_hash", "i(iiii)", "hash", call, true, "The standard library's own: a hash of four ints."},
     BuiltinRow{"hash", "i(i) i(f) i(ff) i(p) i(pf)", "hash", call, true, "A whole number that depends on all bits."},
     // Strings
     BuiltinRow{"printf", "x(s*)", "", special, false, "Prints."},

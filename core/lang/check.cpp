@@ -40,6 +40,12 @@ bool sameSignature(const FunctionDeclaration& a, const FunctionDeclaration& b) {
 
 }  // namespace
 
+bool isDeclaredClosure(const FunctionDeclaration& function) {
+  return !function.body && function.type == types::closure &&
+         std::any_of(function.metadata.begin(), function.metadata.end(),
+                     [](const Metadata& entry) { return entry.name == "builtin"; });
+}
+
 std::unique_ptr<CheckedSource> check(SourceFile& file, const SourceMap& sourceMap, Diagnostics& diagnostics) {
   return Checker(sourceMap, diagnostics).run(file);
 }
@@ -246,10 +252,6 @@ Type Checker::resolveType(const TypeName& name, int arrayLength, const Expressio
       }
     }
     return {BaseType::structure, false, arrayLength, structure};
-  }
-  if (name.closure && arrayLength != Type::scalar) {
-    error(name.position, "there are no arrays of closures");
-    return poisoned;
   }
   if (name.base == BaseType::none && arrayLength != Type::scalar) {
     error(name.position, "there are no arrays of void");

@@ -23,6 +23,9 @@ struct CheckedSource {
   std::map<const FunctionDeclaration*, const FunctionDeclaration*> definitions;
 };
 
+/// `closure color name(…) [[ int builtin = 1 ]];`: a closure that only its declaration makes known.
+bool isDeclaredClosure(const FunctionDeclaration& function);
+
 /// Limits on what a source may ask for.
 inline constexpr int maximumArrayLength = 65536;
 

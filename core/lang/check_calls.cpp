@@ -8,13 +8,6 @@
 
 namespace aerosol::lang {
 
-namespace {
-
-constexpr std::array<std::string_view, 8> noiseKinds = {"perlin", "snoise", "uperlin", "noise",
-                                                        "cell",   "hash",   "simplex", "usimplex"};
-
-}  // namespace
-
 Type Checker::checkArguments(const Expression& call, std::vector<ExpressionPtr>& arguments, std::vector<Type>& types) {
   Type worst = types::none;
   for (const ExpressionPtr& argument : arguments) {
@@ -71,7 +64,7 @@ void Checker::gatherCandidates(std::string_view name, Position position, std::ve
     candidate.closure = row;
     candidate.result = types::closure;
     for (const ClosureParameter& parameter : closureParameters(*row)) candidate.parameters.push_back(parameter.type);
-    candidate.variadic = *row->options != 0;
+    candidate.variadic = true;  // Options of other renderers are known by name alone.
     addCandidate(candidates, std::move(candidate));
   }
 }
@@ -207,7 +200,7 @@ Type Checker::checkCall(Expression& expression, Call& call, const Type& expected
   call.builtin = chosen->builtin;
   call.closure = chosen->closure;
   if (call.function) useFunction(*call.function, expression.position);
-  if (call.builtin) checkConstantStrings(expression, call);
+  if (call.builtin) checkBuiltin(expression, call);
   if (call.builtin && findTextureFunction(call.name)) checkTextureOptions(call);
   if (call.builtin && (call.name == "pointcloud_search" || call.name == "pointcloud_get")) checkPointOutputs(call);
   if (call.closure) return checkClosureCall(expression, call, *call.closure);
@@ -270,14 +263,10 @@ Type Checker::checkClosureCall(Expression& expression, Call& call, const Closure
     names.erase(std::unique(names.begin(), names.end()), names.end());
     std::string note = "closures of " + shaderKind_ + " shaders:";
     for (const std::string& name : names) note += " " + name;
-    error(expression.position, std::string("closure '") + row.name + "' has no meaning in " + shaderKind_ + " shaders",
-          {note});
-    return poisoned;
+    warning(expression.position,
+            std::string("closure '") + row.name + "' has no meaning in " + shaderKind_ + " shaders", {note});
   }
-  if (shaderKind_ == "displacement") {
-    error(expression.position, "closures have no meaning in displacement shaders");
-    return poisoned;
-  }
+  if (shaderKind_ == "displacement") warning(expression.position, "closures have no meaning in displacement shaders");
   const std::vector<ClosureParameter> options = closureOptions(row);
   for (std::size_t i = closureParameters(row).size(); i < call.arguments.size(); i += 2) {
     const Expression& key = *call.arguments[i];
@@ -287,13 +276,18 @@ Type Checker::checkClosureCall(Expression& expression, Call& call, const Closure
     if (option == options.end()) {
       std::string note = "the options are:";
       for (const ClosureParameter& known : options) note += " \"" + known.name + "\"";
-      error(key.position, std::string("unknown option of closure '") + row.name + "'", {note});
-      return poisoned;
+      if (!literal) {
+        error(key.position, std::string("the name of an option of closure '") + row.name + "' must be a literal string",
+              {note});
+        return poisoned;
+      }
+      warning(key.position, std::string("unknown option of closure '") + row.name + "' is ignored", {note});
     }
     if (i + 1 >= call.arguments.size()) {
-      error(key.position, "option \"" + option->name + "\" has no value");
+      error(key.position, "option \"" + literal->value + "\" has no value");
       return poisoned;
     }
+    if (option == options.end()) continue;
     requireAssignable(option->type, *call.arguments[i + 1], "the value of option \"" + option->name + "\"");
   }
   return types::closure;
@@ -310,24 +304,6 @@ void Checker::unknownFunction(Position position, std::string_view name) {
   const std::string note = didYouMean(name, names);
   error(position, "unknown function '" + std::string(name) + "'",
         note.empty() ? std::vector<std::string>{} : std::vector<std::string>{note});
-}
-
-void Checker::checkConstantStrings(const Expression&, const Call& call) {
-  const std::string_view name = call.builtin->row->name;
-  if (call.arguments.empty()) return;
-  const auto* literal = std::get_if<StringLiteral>(&call.arguments[0]->node);
-  if ((name == "noise" || name == "pnoise") && literal) {
-    const bool isPeriodic = name == "pnoise";
-    std::vector<std::string> known;
-    for (const std::string_view kind : noiseKinds)
-      if (!isPeriodic || kind.find("simplex") == std::string_view::npos) known.emplace_back(kind);
-    if (std::find(known.begin(), known.end(), literal->value) != known.end()) return;
-    std::string note = "the kinds are:";
-    for (const std::string& kind : known) note += " \"" + kind + "\"";
-    error(call.arguments[0]->position,
-          std::string("unknown kind of ") + (isPeriodic ? "periodic noise" : "noise") + " \"" + literal->value + "\"",
-          {note});
-  }
 }
 
 const FunctionDeclaration* Checker::findOverload(std::string_view name, std::vector<Expression*> operands,

@@ -8,7 +8,8 @@ namespace aerosol::lang {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> colorSpaces = {"rgb", "RGB", "hsv", "hsl", "YIQ", "XYZ", "xyY"};
+constexpr std::array<std::string_view, 11> colorSpaces = {"rgb", "RGB", "linear", "Rec709", "HDTV", "sRGB",
+                                                          "hsv", "hsl", "YIQ",    "XYZ",    "xyY"};
 
 }  // namespace
 
@@ -122,11 +123,13 @@ Type Checker::checkStructConstructor(Expression& expression, std::vector<Express
   return result;
 }
 
-const FunctionDeclaration* Checker::libraryFunction(std::string_view name, std::size_t parameters, Position position) {
+const FunctionDeclaration* Checker::libraryFunction(std::string_view name, std::size_t parameters, Position position,
+                                                    const Type& last) {
   const auto found = scopes_.front().functions.find(name);
   if (found != scopes_.front().functions.end()) {
     for (const FunctionDeclaration* function : found->second) {
       if (function->parameters.size() != parameters || !sourceMap_.isInPrelude(function->position)) continue;
+      if (!(last == types::none) && !(function->parameters.back()->type == last)) continue;
       useFunction(*function, position);
       return function;
     }

@@ -120,13 +120,18 @@ class Checker {
   void useFunction(const FunctionDeclaration& function, Position position);
   Type checkClosureCall(Expression& expression, Call& call, const ClosureRow& row);
   void unknownFunction(Position position, std::string_view name);
-  void checkConstantStrings(const Expression& expression, const Call& call);
   void checkTextureOptions(Call& call);
   static constexpr std::size_t maximumPointOutputs = 24;
   void checkPointOutputs(Call& call);
   std::string describe(const Candidate& candidate) const;
   const FunctionDeclaration* findOverload(std::string_view name, std::vector<Expression*> operands, Position position,
                                           const Type& expected, Type& result);
+
+  // check_builtins.cpp: what signatures cannot say
+  void checkBuiltin(const Expression& expression, Call& call);
+  void checkNoise(const Expression& expression, Call& call);
+  void checkNoiseOptions(const Call& call, std::size_t first);
+  void checkSpline(const Expression& expression, Call& call);
 
   // check_constructors.cpp
   Type checkConstruct(Expression& expression, Construct& construct, const Type& expected);
@@ -136,7 +141,10 @@ class Checker {
   Type checkStructConstructor(Expression& expression, std::vector<ExpressionPtr>& arguments, const StructType& type,
                               Position position);
   void checkColorSpace(const Expression& space);
-  const FunctionDeclaration* libraryFunction(std::string_view name, std::size_t parameters, Position position);
+  /// The standard library's function of that name with so many parameters, of which the last is of type `last` (void:
+  /// any type).
+  const FunctionDeclaration* libraryFunction(std::string_view name, std::size_t parameters, Position position,
+                                             const Type& last = types::none);
 
   // Names and messages
   VariableDeclaration* findVariable(std::string_view name) const;

@@ -25,6 +25,9 @@ struct ClosureRow {
   const char* doc;
 };
 
+/// The closure of closures; all others have values as parameters.
+inline constexpr const char* layerClosure = "layer";
+
 std::span<const ClosureRow> closureTable();
 
 /// The rows of that name: several where a closure may be called with different parameters.

@@ -6,14 +6,13 @@
 
 #include "core/lang/analysis.h"
 #include "core/lang/builtins.h"
+#include "core/lang/closure_flow.h"
 #include "core/lang/fold.h"
 #include "core/lang/lower.h"
 
 namespace aerosol::lang {
 
 namespace {
-
-using Sites = std::set<std::uint32_t>;
 
 /// What a closure variable holds of one site.
 struct SiteValue {
@@ -23,12 +22,12 @@ struct SiteValue {
 
 class ClosureExpansion {
  public:
-  ClosureExpansion(Program& program, const ReportAt& report) : program_(program), report_(report) {}
+  ClosureExpansion(Program& program, const ReportAt& report)
+      : program_(program), report_(report), layers_(program, report), flow_(program, layers_) {}
 
   void run() {
-    sites_.resize(program_.variables.size());
-    while (propagate(program_.body)) {
-    }
+    flow_.run();
+    layers_.finish(flow_.tops());
     values_.resize(program_.variables.size());
     for (VariableId id = 0; id < values_.size(); ++id)
       if (program_.variables[id].type.closure && program_.variables[id].storage != Storage::temporary) declare(id);
@@ -48,22 +47,14 @@ class ClosureExpansion {
   }
   bool emits(std::uint32_t site) const { return closureOf(site) == "emission" || closureOf(site) == "uniform_edf"; }
 
-  /// Which sites may each variable hold? True when something was learned.
-  bool propagate(const Code& code) {
-    bool changed = false;
-    forEachInstruction(code, [&](const Instruction& instruction) {
-      if (instruction.result == noVariable || !program_.variables[instruction.result].type.closure) return;
-      Sites& sites = sites_[instruction.result];
-      const std::size_t before = sites.size();
-      if (instruction.op == Op::closureMake) {
-        sites.insert(instruction.site);
-      } else {
-        for (const VariableId argument : instruction.arguments)
-          if (program_.variables[argument].type.closure) sites.insert(sites_[argument].begin(), sites_[argument].end());
-      }
-      changed = changed || sites.size() != before;
-    });
-    return changed;
+  /// What an instruction's argument holds there.
+  std::map<std::uint32_t, SiteValue> held(const Instruction& instruction, std::size_t argument) const {
+    std::map<std::uint32_t, SiteValue> result;
+    for (const std::uint32_t site : flow_.at(instruction, argument)) {
+      const auto& values = values_[instruction.arguments[argument]];
+      if (const auto known = values.find(site); known != values.end()) result.insert(*known);
+    }
+    return result;
   }
 
   VariableId add(const Type& type, Storage storage, std::string name) {
@@ -88,6 +79,7 @@ class ClosureExpansion {
   }
   VariableId number(float value) { return constant(Constant::ofFloat(value)); }
   VariableId grey(float value) { return constant({types::color, std::vector<float>(3, value)}); }
+  VariableId zeroOf(VariableId other) { return constant(zeroConstant(program_.variables[other].type)); }
 
   bool isGrey(VariableId id, float value) const {
     const Variable& variable = program_.variables[id];
@@ -102,10 +94,11 @@ class ClosureExpansion {
   /// Variables of a closure variable that may be written more than once.
   void declare(VariableId id) {
     const std::string name = program_.variables[id].name;
-    for (const std::uint32_t site : sites_[id]) {
+    for (const std::uint32_t site : flow_.anywhere(id)) {
       SiteValue& value = values_[id][site];
+      const int length = program_.variables[id].type.arrayLength;
       const auto one = [&](const Type& type, const char* part) {
-        return add(type, Storage::local, name + "." + std::to_string(site) + "." + part);
+        return add(type.arrayOf(length), Storage::local, name + "." + std::to_string(site) + "." + part);
       };
       if (!isVolume()) {
         value.linear.push_back(one(types::color, "weight"));
@@ -137,14 +130,14 @@ class ClosureExpansion {
     append(op, result, std::move(arguments));
     return result;
   }
-  VariableId call(const char* base, std::vector<VariableId> arguments) {
+  VariableId call(const char* base, std::vector<VariableId> arguments, const Type& type = types::floating) {
     std::vector<Type> types;
     for (const VariableId id : arguments) types.push_back(program_.variables[id].type);
-    const std::string symbol = symbolOf(base, types::floating, types);
+    const std::string symbol = symbolOf(base, type, types);
     std::uint32_t function = 0;
     while (function < program_.functions.size() && program_.functions[function].symbol != symbol) ++function;
     if (function == program_.functions.size()) program_.functions.push_back({symbol, true, 0});
-    const VariableId result = add(types::floating, Storage::temporary, "");
+    const VariableId result = add(type, Storage::temporary, "");
     append(Op::call, result, std::move(arguments)).function = function;
     return result;
   }
@@ -156,6 +149,8 @@ class ClosureExpansion {
     if (isGrey(color, 1)) return emit(Op::toTriple, types::color, {factor});
     return emit(Op::multiply, types::color, {color, factor});
   }
+  /// The value as it is now.
+  VariableId kept(VariableId id) { return isMutable(id) ? emit(Op::assign, program_.variables[id].type, {id}) : id; }
   /// Sum of the components' magnitudes.
   VariableId measure(const SiteValue& value) {
     VariableId sum = noVariable;
@@ -223,14 +218,16 @@ class ClosureExpansion {
 
   std::map<std::uint32_t, SiteValue> compute(const Instruction& instruction) {
     if (instruction.op == Op::closureMake) return {{instruction.site, make(instruction)}};
-    const bool isAdd = instruction.op == Op::closureAdd;
-    std::map<std::uint32_t, SiteValue> result = values_[instruction.arguments[0]];
+    if (instruction.op == Op::element) return elementOf(instruction);
+    const bool isAdd = instruction.op == Op::closureAdd || instruction.op == Op::closureLayer;
+    std::map<std::uint32_t, SiteValue> result = held(instruction, 0);
     if (instruction.op == Op::closureScale) {
       for (auto& [site, value] : result)
         for (VariableId& linear : value.linear) linear = scaled(linear, instruction.arguments[1]);
     }
     if (isAdd) {
-      for (const auto& [site, value] : values_[instruction.arguments[1]]) {
+      const auto more = held(instruction, 1);
+      for (const auto& [site, value] : instruction.op == Op::closureAdd ? more : putBelow(more, instruction)) {
         const auto present = result.find(site);
         if (present == result.end()) {
           result.emplace(site, value);
@@ -242,23 +239,92 @@ class ClosureExpansion {
     return result;
   }
 
+  /// The closures of `base` as they are below those of the instruction's first argument.
+  std::map<std::uint32_t, SiteValue> putBelow(const std::map<std::uint32_t, SiteValue>& base,
+                                              const Instruction& instruction) {
+    const auto present = held(instruction, 0);
+    std::map<std::uint32_t, SiteValue> result;
+    for (const auto& [site, value] : base) {
+      SiteValue below = value;
+      for (const std::uint32_t top : flow_.tops().at(instruction.site)) {
+        const auto found = present.find(top);
+        below.mean.push_back(found == present.end() ? grey(0) : found->second.linear[0]);
+      }
+      // The variable that gets the result may hold these now, and parts move from one site to another.
+      for (auto* parts : {&below.linear, &below.mean})
+        for (VariableId& part : *parts) part = kept(part);
+      if (const auto moved = layers_.below(site, instruction.site, instruction.location))
+        result.emplace(*moved, std::move(below));
+    }
+    return result;
+  }
+
+  /// Calls `visit(index)` for each part of a closure in an array: the first time with the index as it is (out of range
+  /// it is reported), then with one that needs no report.
+  class PartIndex {
+   public:
+    PartIndex(ClosureExpansion& expansion, VariableId index, int length)
+        : expansion_(expansion), index_(index), length_(length) {}
+    VariableId next() {
+      const VariableId result = index_;
+      if (isFirst_ && expansion_.program_.variables[index_].storage != Storage::constant) {
+        const auto number = [&](int value) { return expansion_.constant(Constant::ofInt(value)); };
+        index_ = expansion_.call("clamp", {index_, number(0), number(length_ - 1)}, types::integer);
+      }
+      isFirst_ = false;
+      return result;
+    }
+
+   private:
+    ClosureExpansion& expansion_;
+    VariableId index_;
+    int length_;
+    bool isFirst_ = true;
+  };
+
+  std::map<std::uint32_t, SiteValue> elementOf(const Instruction& instruction) {
+    const VariableId array = instruction.arguments[0];
+    PartIndex index(*this, instruction.arguments[1], program_.variables[array].type.arrayLength);
+    std::map<std::uint32_t, SiteValue> result = held(instruction, 0);
+    for (auto& [site, value] : result)
+      for (auto* parts : {&value.linear, &value.mean})
+        for (VariableId& part : *parts)
+          part = emit(Op::element, program_.variables[part].type.element(), {part, index.next()});
+    return result;
+  }
+
+  void setElementOf(const Instruction& instruction) {
+    const VariableId array = instruction.result;
+    PartIndex index(*this, instruction.arguments[0], program_.variables[array].type.arrayLength);
+    const auto given = held(instruction, 1);
+    for (const auto& [site, own] : values_[array]) {
+      const auto found = given.find(site);
+      for (std::size_t i = 0; i < own.linear.size(); ++i) {
+        const VariableId value = found == given.end() ? grey(0) : found->second.linear[i];
+        append(Op::setElement, own.linear[i], {index.next(), value});
+      }
+      if (found == given.end()) continue;
+      for (std::size_t i = 0; i < own.mean.size(); ++i)
+        append(Op::setElement, own.mean[i], {index.next(), found->second.mean[i]});
+    }
+  }
+
   void define(VariableId target, std::map<std::uint32_t, SiteValue> result) {
     if (program_.variables[target].storage == Storage::temporary) {
       for (auto& [site, value] : result)
         for (auto* parts : {&value.linear, &value.mean})
-          for (VariableId& part : *parts)
-            if (isMutable(part)) part = emit(Op::assign, program_.variables[part].type, {part});
+          for (VariableId& part : *parts) part = kept(part);
       values_[target] = std::move(result);
       return;
     }
-    for (const std::uint32_t site : sites_[target]) {
+    for (const std::uint32_t site : flow_.anywhere(target)) {
       const SiteValue& own = values_[target][site];
       const auto found = result.find(site);
       const auto set = [&](VariableId to, VariableId from) {
         if (to != from) append(Op::assign, to, {from});
       };
       for (std::size_t i = 0; i < own.linear.size(); ++i)
-        set(own.linear[i], found == result.end() ? grey(0) : found->second.linear[i]);
+        set(own.linear[i], found == result.end() ? zeroOf(own.linear[i]) : found->second.linear[i]);
       if (found == result.end()) continue;
       for (std::size_t i = 0; i < own.mean.size(); ++i) set(own.mean[i], found->second.mean[i]);
     }
@@ -267,7 +333,7 @@ class ClosureExpansion {
   /// Is the weight of any site not zero?
   void truth(const Instruction& instruction) {
     VariableId any = constant(Constant::ofInt(0));
-    for (const auto& [site, value] : values_[instruction.arguments[0]]) {
+    for (const auto& [site, value] : held(instruction, 0)) {
       for (const VariableId linear : value.linear) {
         const VariableId one = emit(Op::toBool, types::integer, {linear});
         any = emit(Op::logicalOr, types::integer, {any, one});
@@ -281,16 +347,18 @@ class ClosureExpansion {
     for (const Instruction& instruction : code) {
       location_ = instruction.location;
       const bool makesClosure = instruction.result != noVariable && program_.variables[instruction.result].type.closure;
-      if (makesClosure) {
+      if (makesClosure && instruction.op == Op::setElement) {
+        setElementOf(instruction);
+      } else if (makesClosure) {
         define(instruction.result, compute(instruction));
       } else if (instruction.op == Op::toBool && program_.variables[instruction.arguments[0]].type.closure) {
         truth(instruction);
       } else {
         Instruction copy = instruction;
-        for (Code& body : copy.bodies) {
+        for (std::size_t i = 0; i < copy.bodies.size(); ++i) {
           Code rewritten;
-          rewrite(body, rewritten);
-          body = std::move(rewritten);
+          rewrite(instruction.bodies[i], rewritten);
+          copy.bodies[i] = std::move(rewritten);
         }
         out.push_back(std::move(copy));
       }
@@ -304,10 +372,12 @@ class ClosureExpansion {
     out_ = &body;
     location_ = 0;
     if (program_.ci == noVariable) return;
+    std::map<std::uint32_t, SiteValue> result;
+    for (const std::uint32_t site : flow_.atEnd(program_.ci)) result.insert(*values_[program_.ci].find(site));
     if (isVolume()) {
-      addVolumeOutputs();
+      addVolumeOutputs(result);
     } else {
-      for (const auto& [site, value] : values_[program_.ci]) {
+      for (const auto& [site, value] : result) {
         program_.outputs.push_back({OutputKind::siteWeight, site, 0, value.linear[0]});
         for (std::size_t i = 0; i < value.mean.size(); ++i)
           program_.outputs.push_back({OutputKind::siteParameter, site, static_cast<std::uint32_t>(i), value.mean[i]});
@@ -319,10 +389,10 @@ class ClosureExpansion {
     return sum == noVariable ? more : emit(Op::add, types::color, {sum, more});
   }
 
-  void addVolumeOutputs() {
+  void addVolumeOutputs(const std::map<std::uint32_t, SiteValue>& result) {
     VariableId sigmaT = noVariable, sigmaS = noVariable, emission = noVariable;
     std::vector<const SiteValue*> lobes;
-    for (const auto& [site, value] : values_[program_.ci]) {
+    for (const auto& [site, value] : result) {
       if (emits(site)) {
         emission = plus(emission, value.linear[0]);
         continue;
@@ -351,9 +421,10 @@ class ClosureExpansion {
 
   Program& program_;
   const ReportAt& report_;
-  std::vector<Sites> sites_;                                ///< By variable.
   std::vector<std::map<std::uint32_t, SiteValue>> values_;  ///< By variable: of temporaries, once they are defined.
   std::vector<VariableId> constants_;
+  Layerings layers_;
+  ClosureFlow flow_;
   Code* out_ = nullptr;
   std::uint32_t location_ = 0;
 };

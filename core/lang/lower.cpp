@@ -259,6 +259,7 @@ std::optional<VariableId> Lowerer::simplify(Op op, const Type& type, std::span<c
       return made->second.first == Op::toTriple ? made->second.second[0]
                                                 : made->second.second[static_cast<std::size_t>(index->asInt())];
   }
+  if (type.closure) return std::nullopt;
   std::vector<Constant> values;
   for (const VariableId argument : arguments) {
     auto value = constantOf(argument);

@@ -7,35 +7,15 @@
 
 namespace aerosol::lang {
 
-namespace {
-
-struct NoiseKind {
-  std::string_view name;
-  const char* symbol;
-  bool periodic;  ///< Has a periodic form, whose symbol has a p in front.
-};
-constexpr std::array<NoiseKind, 8> noiseKinds = {{
-    {"perlin", "perlin", true},
-    {"snoise", "perlin", true},
-    {"uperlin", "uperlin", true},
-    {"noise", "uperlin", true},
-    {"cell", "cell", true},
-    {"hash", "hash", true},
-    {"simplex", "simplex", false},
-    {"usimplex", "usimplex", false},
-}};
-
-}  // namespace
-
 VariableId Lowerer::componentOf(VariableId triple, int index) {
   return emit(Op::component, types::floating, {triple, constantInt(index)});
 }
 
-std::vector<Value> Lowerer::lowerArguments(const Call& called) {
+std::vector<Value> Lowerer::lowerArguments(const Call& called, std::size_t count) {
   const auto& parameters = called.builtin->parameters;
   const auto& arguments = called.arguments;
   std::vector<Value> values;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(count, arguments.size()); ++i) {
     const bool converts = i < parameters.size() && !(parameters[i] == types::none);
     Value value = converts ? lowerTo(*arguments[i], parameters[i]) : lower(*arguments[i]);
     values.push_back(protect(std::move(value), std::span(arguments).subspan(i + 1)));
@@ -79,6 +59,7 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
   if (name == "select") return lowerSelect(result, lowerArguments(called));
   if (name == "noise") return lowerNoise(expression, called, false);
   if (name == "pnoise") return lowerNoise(expression, called, true);
+  if (name == "spline" || name == "splineinverse") return lowerSpline(expression, called);
   if (name == "transform") return lowerTransform(expression, called);
   if (name == "transformu") return lowerTransformUnits(expression, called);
   if (name == "getmatrix") return lowerGetMatrix(called);
@@ -129,53 +110,6 @@ Value Lowerer::lowerSincos(const Call& called) {
   put(sine, std::move(sines));
   put(cosine, std::move(cosines));
   return {types::none, {}};
-}
-
-Value Lowerer::noiseCall(const std::string& kind, const Type& type, const std::vector<Value>& coordinates,
-                         bool periodic) {
-  std::vector<VariableId> ids;
-  for (const Value& coordinate : coordinates) ids.push_back(coordinate.single());
-  return {type, {call((periodic ? "p" : "") + kind, type, std::move(ids))}};
-}
-
-Value Lowerer::lowerNoise(const Expression& expression, const Call& called, bool periodic) {
-  const Type type = called.builtin->result;
-  std::vector<Value> arguments = lowerArguments(called);
-  if (!(arguments[0].type == types::string)) return noiseCall("uperlin", type, arguments, periodic);
-  const VariableId kind = arguments[0].single();
-  arguments.erase(arguments.begin());
-  if (const auto known = constantOf(kind)) {
-    for (const NoiseKind& row : noiseKinds)
-      if (known->asString() == row.name && (row.periodic || !periodic))
-        return noiseCall(row.symbol, type, arguments, periodic);
-    error(called.arguments[0]->position,
-          std::string("unknown kind of ") + (periodic ? "periodic noise" : "noise") + " \"" + known->asString() + "\"");
-    return zeroValue(type);
-  }
-  // A kind that is known when the program runs: a choice, which folds once the parameter does.
-  for (Value& argument : arguments) argument = copied(argument);
-  const Value result = localValue(type, "noise");
-  if (loopDepth_ > 0) assign(result, zeroValue(type));
-  const auto choose = [&](const auto& self, std::size_t row) -> void {
-    if (row == noiseKinds.size()) {
-      Instruction& instruction = append(Op::message);
-      instruction.function = static_cast<std::uint32_t>(MessageKind::error);
-      instruction.arguments = {constantString("unknown kind of noise \"%s\""), kind};
-      return;
-    }
-    if (periodic && !noiseKinds[row].periodic) {
-      self(self, row + 1);
-      return;
-    }
-    const VariableId isKind =
-        emit(Op::equal, types::integer, {kind, constantString(std::string(noiseKinds[row].name))});
-    branch(
-        isKind, [&] { assign(result, noiseCall(noiseKinds[row].symbol, type, arguments, periodic)); },
-        [&] { self(self, row + 1); });
-  };
-  position_ = expression.position;
-  choose(choose, 0);
-  return result;
 }
 
 }  // namespace aerosol::lang

@@ -9,6 +9,7 @@ namespace aerosol::lang {
 
 Value Lowerer::lowerClosure(const Expression& expression, const Call& called) {
   const ClosureRow& row = *called.closure;
+  if (row.name == std::string_view(layerClosure)) return lowerLayer(expression, called);
   const std::vector<ClosureParameter> parameters = closureParameters(row), options = closureOptions(row);
   ClosureSite site;
   site.closure = row.name;
@@ -20,18 +21,34 @@ Value Lowerer::lowerClosure(const Expression& expression, const Call& called) {
     site.parameterNames.push_back(parameters[i].name);
     site.parameterTypes.push_back(parameters[i].type);
   }
+  std::vector<VariableId> optionValues;
   for (const ClosureParameter& option : options) {
-    VariableId value = constant(zeroConstant(option.type));
-    for (std::size_t i = parameters.size(); i + 1 < called.arguments.size(); i += 2) {
-      const auto& key = std::get<StringLiteral>(called.arguments[i]->node);
-      if (key.value == option.name) value = lowerSingle(*called.arguments[i + 1], option.type);
-    }
-    arguments.push_back(value);
+    optionValues.push_back(constant(zeroConstant(option.type)));
     site.parameterNames.push_back(option.name);
     site.parameterTypes.push_back(option.type);
   }
-  if (!countWork(expression.position)) return zeroValue(types::closure);
-  position_ = expression.position;
+  for (std::size_t i = parameters.size(); i + 1 < called.arguments.size(); i += 2) {
+    const auto& key = std::get<StringLiteral>(called.arguments[i]->node);
+    const Expression& given = *called.arguments[i + 1];
+    const auto option =
+        std::find_if(options.begin(), options.end(), [&](const auto& known) { return known.name == key.value; });
+    if (option == options.end()) {
+      lower(given);
+    } else {
+      const Value value{option->type, {lowerSingle(given, option->type)}};
+      optionValues[static_cast<std::size_t>(option - options.begin())] =
+          protect(value, std::span(called.arguments).subspan(i + 2)).single();
+    }
+  }
+  arguments.insert(arguments.end(), optionValues.begin(), optionValues.end());
+  const bool hasMeaning = program_.kind == "volume" ? row.volume : program_.kind != "displacement";
+  return hasMeaning ? makeClosure(std::move(site), std::move(arguments), expression.position)
+                    : zeroValue(types::closure);
+}
+
+Value Lowerer::makeClosure(ClosureSite site, std::vector<VariableId> arguments, Position position) {
+  if (!countWork(position)) return zeroValue(types::closure);
+  position_ = position;
   const VariableId result = temporary(types::closure);
   Instruction& instruction = append(Op::closureMake);
   instruction.result = result;
@@ -39,6 +56,37 @@ Value Lowerer::lowerClosure(const Expression& expression, const Call& called) {
   instruction.arguments = std::move(arguments);
   program_.closureSites.push_back(std::move(site));
   return {types::closure, {result}};
+}
+
+Value Lowerer::lowerLayer(const Expression& expression, const Call& called) {
+  const Value top = protect(lowerTo(*called.arguments[0], types::closure), *called.arguments[1]);
+  const Value base = lowerTo(*called.arguments[1], types::closure);
+  position_ = expression.position;
+  const Op op = program_.isVolume() ? Op::closureAdd : Op::closureLayer;
+  const VariableId result = emit(op, types::closure, {top.single(), base.single()});
+  if (op == Op::closureLayer && !failed_) code_->back().site = layeringCount_++;
+  return {types::closure, {result}};
+}
+
+/// A closure that the source declares itself, as a function without a body marked as built in.
+Value Lowerer::makeDeclaredClosure(const FunctionDeclaration& function, const std::vector<Value>& arguments,
+                                   Position position) {
+  ClosureSite site;
+  site.closure = function.name;
+  site.location = locationOf(position);
+  std::vector<VariableId> values;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const auto& formal = *function.parameters[i];
+    if (formal.type.isArray() || formal.type.closure || formal.type.base == BaseType::structure) {
+      error(formal.position, "a closure's parameter cannot be of type " + toString(formal.type));
+      return zeroValue(types::closure);
+    }
+    values.push_back(arguments[i].single());
+    site.parameterNames.push_back(formal.name);
+    site.parameterTypes.push_back(formal.type);
+  }
+  const bool hasMeaning = program_.kind != "volume" && program_.kind != "displacement";
+  return hasMeaning ? makeClosure(std::move(site), std::move(values), position) : zeroValue(types::closure);
 }
 
 }  // namespace aerosol::lang

@@ -355,6 +355,7 @@ VariableId Lowerer::gatherLeaf(const std::vector<Value>& elements, std::size_t l
   std::vector<std::size_t> unknown;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const auto value = constantOf(elements[i].leaves[leaf]);
+    if (value && type.closure) continue;  // The null closure, as the array starts.
     const Constant index = Constant::ofInt(static_cast<std::int32_t>(i));
     if (!value) {
       unknown.push_back(i);

@@ -144,6 +144,7 @@ Value Lowerer::inlineFunction(const FunctionDeclaration& declared, std::vector<V
   const bool isActive =
       std::any_of(frames_.begin(), frames_.end(), [&](const Frame& frame) { return frame.function == &function; });
   if (failed_ || !countWork(position)) return zeroValue(function.type);
+  if (!isActive && isDeclaredClosure(function)) return makeDeclaredClosure(function, arguments, position);
   if (isActive) {
     stop(position, "function '" + function.name + "' calls itself: shaders cannot recurse");
   } else if (!function.body) {

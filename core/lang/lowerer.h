@@ -161,8 +161,13 @@ class Lowerer {
   Value lowerSelect(const Type& type, const std::vector<Value>& arguments);
   Value lowerSincos(const Call& call);
   Value lowerNoise(const Expression& expression, const Call& call, bool periodic);
+  Value lowerSpline(const Expression& expression, const Call& call);
+  Value gaborNoise(const Expression& expression, const Call& call, std::vector<Value> coordinates, bool periodic,
+                   const std::vector<Value>& options);
+  std::vector<Value> lowerNoiseOptions(const Call& call);
   Value noiseCall(const std::string& kind, const Type& type, const std::vector<Value>& coordinates, bool periodic);
-  std::vector<Value> lowerArguments(const Call& call);
+  /// At most `count` of them.
+  std::vector<Value> lowerArguments(const Call& call, std::size_t count = ~std::size_t{0});
   VariableId componentOf(VariableId triple, int index);
 
   // lower_spaces.cpp
@@ -202,6 +207,10 @@ class Lowerer {
 
   // lower_closures.cpp
   Value lowerClosure(const Expression& expression, const Call& call);
+  Value lowerLayer(const Expression& expression, const Call& call);
+  Value makeClosure(ClosureSite site, std::vector<VariableId> arguments, Position position);
+  Value makeDeclaredClosure(const FunctionDeclaration& function, const std::vector<Value>& arguments,
+                            Position position);
 
   CheckedSource& source_;
   const SourceMap& sourceMap_;
@@ -219,7 +228,7 @@ class Lowerer {
   std::vector<Frame> frames_;
   Position position_ = 0;
   std::size_t work_ = 0, frameValues_ = 0;
-  std::uint32_t scopeCount_ = 0;
+  std::uint32_t scopeCount_ = 0, layeringCount_ = 0;
   int loopDepth_ = 0, nesting_ = 0, depth_ = 0;
   std::unordered_set<Position> reported_;  ///< Where there is an error already.
   bool inBody_ = false;                    ///< Otherwise in the default values of parameters.

@@ -99,6 +99,7 @@ enum class Op : std::uint8_t {
                      ///< |weight|
   closureWeight,     ///< (closure) → colour: weight of site `site`
   closureParameter,  ///< (closure) → parameter number `scopeId` of site `site`
+  closureLayer,      ///< (top, base) → both, the sites of the base below those of the top; `site` numbers the layerings
   // Control flow. Bodies are blocks of instructions.
   branch,  ///< if (arg0 int ≠ 0) bodies[0] else bodies[1]
   loop,    ///< bodies[0]: computes the condition variable arg0; bodies[1]: body; bodies[2]: step. testsLast: do-while
@@ -143,12 +144,22 @@ struct FunctionUse {
   bool dependsOnArgumentsAlone() const { return pure && (traits & (dependsOnPoint | readsMessages)) == 0; }
 };
 
-/// A closure constructor as it stands in the source.
+/// What lies on a closure: light passes the fraction 1 - w reflectance(top) of it.
+struct ClosureLayer {
+  std::uint32_t top = 0;     ///< Index of the site above, whose parameters say what it is.
+  std::uint32_t weight = 0;  ///< w, a colour, is this parameter (by number) of the site below.
+
+  bool operator==(const ClosureLayer&) const = default;
+};
+
+/// A closure constructor as it stands in the source. One that is layered below another is a site of its own, with the
+/// parameters of the plain one and the weights of what lies on it.
 struct ClosureSite {
   std::string closure;  ///< Name of the closure's row: "anisotropic_vdf".
   std::uint32_t location = 0;
   std::vector<Type> parameterTypes;  ///< float, int, string or triple
   std::vector<std::string> parameterNames;
+  std::vector<ClosureLayer> layers;  ///< All that lies on it, from the nearest to the farthest.
 };
 
 /// A metadata entry, folded to a constant.

@@ -29,8 +29,12 @@ static void describe(A& archive, FunctionUse& f) {
   archive(f.symbol, f.pure, f.outputs, f.host, f.traits);
 }
 template <class A>
+static void describe(A& archive, ClosureLayer& l) {
+  archive(l.top, l.weight);
+}
+template <class A>
 static void describe(A& archive, ClosureSite& s) {
-  archive(s.closure, s.location, s.parameterTypes, s.parameterNames);
+  archive(s.closure, s.location, s.parameterTypes, s.parameterNames, s.layers);
 }
 template <class A>
 static void describe(A& archive, MetadataValue& m) {

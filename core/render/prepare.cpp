@@ -166,6 +166,8 @@ class Preparation {
       return;
     }
     for (const lang::ClosureSite& site : program.closureSites) {
+      if (!site.layers.empty())
+        errors_.error(program.locations[site.location], "layered closures are not implemented for surfaces");
       object.closures.push_back(registry_.closure(site.closure));
       if (!object.closures.back()) {
         errors_.error(program.locations[site.location],

@@ -135,6 +135,10 @@ template <IntLanes I>
 AEROSOL_INLINE I hashInt(I x) {
   return asInt(hashWords(asUint(x)));
 }
+template <IntLanes I>
+AEROSOL_INLINE I hashInt(I a, I b, I c, I d) {
+  return asInt(hashWords(asUint(a), asUint(b), asUint(c), asUint(d)));
+}
 template <FloatLanes F>
 AEROSOL_INLINE IntOf<F> hashInt(F x) {
   return asInt(hashWords(asUint(x)));

@@ -155,5 +155,12 @@ AEROSOL_INLINE IntRange<I> hashInt(const IntRange<I>& a) {
   const I value = hashInt(a.lo);
   return select(equal(a.lo, a.hi), IntRange<I>{value, value}, wholeIntRange<I>());
 }
+template <IntLanes I>
+AEROSOL_INLINE IntRange<I> hashInt(const IntRange<I>& a, const IntRange<I>& b, const IntRange<I>& c,
+                                   const IntRange<I>& d) {
+  const I value = hashInt(a.lo, b.lo, c.lo, d.lo);
+  const I known = equal(a.lo, a.hi) & equal(b.lo, b.hi) & equal(c.lo, c.hi) & equal(d.lo, d.hi);
+  return select(known, IntRange<I>{value, value}, wholeIntRange<I>());
+}
 
 }  // namespace aerosol::jit::runtime
