@@ -104,6 +104,17 @@ void Checker::checkStruct(StructDeclaration& declaration) {
       if (other.name == field->name) error(field->position, "field '" + field->name + "' is declared twice");
     structure->fields.push_back({field->name, field->type});
   }
+  std::size_t leaves = 0;
+  for (const StructField& field : structure->fields)
+    leaves += field.type.structure ? structureLeaves_[field.type.structure] : 1;
+  if (leaves > maximumStructureLeaves) {
+    error(declaration.position, "structure '" + declaration.name +
+                                    "' is too large: with the structures inside of it, more than " +
+                                    std::to_string(maximumStructureLeaves) + " fields");
+    structure->fields.clear();
+    leaves = 1;
+  }
+  structureLeaves_[structure.get()] = leaves;
   if (declaration.fields.empty()) error(declaration.position, "structure '" + declaration.name + "' has no fields");
   structs_[declaration.name] = {structure.get(), declaration.position};
   result_->structs.push_back(std::move(structure));

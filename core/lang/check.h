@@ -28,6 +28,7 @@ bool isDeclaredClosure(const FunctionDeclaration& function);
 
 /// Limits on what a source may ask for.
 inline constexpr int maximumArrayLength = 65536;
+inline constexpr std::size_t maximumStructureLeaves = 65536;  ///< Fields of fields and so on, without array lengths.
 
 /// Checks everything in the author's files, and of the standard library what they call. Errors and warnings are added
 /// to `diagnostics`; the tree may be lowered only when there are no errors.

@@ -56,11 +56,7 @@ std::optional<Constant> evaluateList(const std::vector<ExpressionPtr>& elements,
     auto value = evaluateConstant(*elements[i]);
     if (value) value = convertConstant(*value, element);
     if (!value) return std::nullopt;
-    const Constant index = Constant::ofInt(static_cast<std::int32_t>(i));
-    const std::array<const Constant*, 2> arguments = {&index, &*value};
-    auto next = foldOperation(Op::setElement, result.type, arguments, &result);
-    if (!next) return std::nullopt;
-    result = std::move(*next);
+    setElement(result, i, *value);
   }
   return result;
 }

@@ -160,6 +160,7 @@ class Checker {
   std::vector<Scope> scopes_;
   std::map<const FunctionDeclaration*, State> functionStates_;
   std::map<std::string, std::pair<const StructType*, Position>, std::less<>> structs_;
+  std::map<const StructType*, std::size_t> structureLeaves_;
   std::string shaderKind_;
   const FunctionDeclaration* function_ = nullptr;  ///< The one whose body is being checked; null in a shader's body.
   Position libraryCall_ = 0;  ///< Where the author calls the library function that is being checked.

@@ -1,5 +1,6 @@
 #include "core/lang/fold.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -247,6 +248,18 @@ std::size_t leafCount(const Type& type) {
   const std::size_t each = type.isTriple() ? 3 : type.base == BaseType::matrix ? 16 : 1;
   // isTriple looks at the element's kind alone.
   return type.isArray() ? each * static_cast<std::size_t>(std::max(type.arrayLength, 0)) : each;
+}
+
+void setElement(Constant& array, std::size_t index, const Constant& element) {
+  std::visit(
+      [&](auto& leaves) {
+        using Leaves = std::decay_t<decltype(leaves)>;
+        if constexpr (!std::is_same_v<Leaves, std::monostate>) {
+          const auto& part = std::get<Leaves>(element.value);
+          std::copy(part.begin(), part.end(), leaves.begin() + static_cast<std::ptrdiff_t>(index * part.size()));
+        }
+      },
+      array.value);
 }
 
 Constant zeroConstant(const Type& type) {

@@ -29,6 +29,9 @@ std::size_t leafCount(const Type& type);
 /// All zeros and empty strings; the null closure for closures.
 Constant zeroConstant(const Type& type);
 
+/// Sets one element of a constant array (or a number of a triple or a matrix); `element` has their type.
+void setElement(Constant& array, std::size_t index, const Constant& element);
+
 /// Same type and same bits (so -0 differs from 0 and a NaN equals itself).
 bool sameBits(const Constant& a, const Constant& b);
 

@@ -117,8 +117,10 @@ Value Lowerer::protect(Value value, const Expression& next) {
 }
 
 Value Lowerer::protect(Value value, std::span<const ExpressionPtr> next) {
-  for (const ExpressionPtr& expression : next) value = protect(std::move(value), *expression);
-  return value;
+  const bool changes =
+      std::any_of(value.leaves.begin(), value.leaves.end(), [&](auto leaf) { return isMutable(leaf); }) &&
+      std::any_of(next.begin(), next.end(), [](const auto& one) { return hasEffects(*one); });
+  return changes ? copied(value) : value;
 }
 
 Value Lowerer::lowerUnary(const Expression& expression, const Unary& unary) {
@@ -332,10 +334,12 @@ Value Lowerer::lowerList(const InitializerList& list, const Type& type) {
 Value Lowerer::lowerArrayList(const InitializerList& list, const Type& type) {
   Type sized = type;
   if (sized.arrayLength == Type::unsized) sized.arrayLength = static_cast<int>(list.elements.size());
+  std::size_t last = list.elements.size();
+  while (last > 0 && !hasEffects(*list.elements[last - 1])) --last;
   std::vector<Value> elements;
   for (std::size_t i = 0; i < list.elements.size(); ++i) {
     Value element = lowerTo(*list.elements[i], sized.element());
-    elements.push_back(protect(std::move(element), std::span(list.elements).subspan(i + 1)));
+    elements.push_back(i + 1 < last ? copied(element) : std::move(element));
   }
   return gatherArray(elements, sized);
 }
@@ -355,14 +359,11 @@ VariableId Lowerer::gatherLeaf(const std::vector<Value>& elements, std::size_t l
   std::vector<std::size_t> unknown;
   for (std::size_t i = 0; i < elements.size(); ++i) {
     const auto value = constantOf(elements[i].leaves[leaf]);
-    if (value && type.closure) continue;  // The null closure, as the array starts.
-    const Constant index = Constant::ofInt(static_cast<std::int32_t>(i));
     if (!value) {
       unknown.push_back(i);
-      continue;
+    } else if (!type.closure) {  // A constant closure is the null closure, as the array starts.
+      setElement(known, i, *value);
     }
-    const std::array<const Constant*, 2> arguments = {&index, &*value};
-    known = *foldOperation(Op::setElement, type, arguments, &known);
   }
   const VariableId base = constant(known);
   if (unknown.empty()) return base;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -8,6 +9,7 @@
 
 #include "core/lang/analysis.h"
 #include "core/lang/fold.h"
+#include "core/lang/magnitude.h"
 #include "core/lang/pure_functions.h"
 
 namespace aerosol::lang {
@@ -209,6 +211,7 @@ class Specialiser {
       return;
     }
     if (!value || !mayStandFor(*value, copy.result)) {
+      if (isTemporary(copy.result)) magnitudes_[copy.result] = measure(copy);
       out.push_back(std::move(copy));
       return;
     }
@@ -270,6 +273,35 @@ class Specialiser {
     return sameType ? std::optional(source) : std::nullopt;
   }
 
+  double magnitude(VariableId id) const {
+    const auto known = magnitudes_.find(id);
+    if (known != magnitudes_.end()) return known->second;
+    return writes_[id] == 0 ? magnitudeOf(program_.variables[id]) : std::numeric_limits<double>::infinity();
+  }
+  double measure(const Instruction& instruction) const {
+    std::vector<double> arguments;
+    for (const VariableId argument : instruction.arguments) arguments.push_back(magnitude(argument));
+    return magnitudeOf(program_, instruction, arguments);
+  }
+
+  /// The constant c of c + x, c - x or x + c where x is so small, or so surely 0, that the sum is c: a term of weight 0
+  /// costs nothing, and what is constant but for it is known to be constant.
+  std::optional<VariableId> absorbed(const Instruction& instruction, const Type& type) {
+    const bool isSum = instruction.op == Op::add;
+    if (!isSum && instruction.op != Op::subtract) return std::nullopt;
+    for (std::size_t i = 0; i < (isSum ? 2u : 1u); ++i) {
+      const VariableId number = instruction.arguments[i];
+      const auto* floats =
+          isConstant(number) ? std::get_if<std::vector<float>>(&program_.variables[number].value) : nullptr;
+      if (!floats || type.isArray()) continue;
+      const double other = magnitude(instruction.arguments[1 - i]);
+      if (!std::all_of(floats->begin(), floats->end(), [&](float c) { return absorbs(c, other); })) continue;
+      const std::size_t count = leafCount(type);
+      return constant({type, floats->size() == count ? *floats : std::vector<float>(count, floats->front())});
+    }
+    return std::nullopt;
+  }
+
   /// x * 1, x / 1, x - 0: identities that keep every bit. (x + 0 does not: -0 + 0 is 0; nor does x * 0.)
   std::optional<VariableId> identity(const Instruction& instruction, const Type& type) {
     if (instruction.arguments.size() != 2) return std::nullopt;
@@ -288,6 +320,7 @@ class Specialiser {
              });
     };
     if (type.base == BaseType::matrix) return std::nullopt;
+    if (const auto sum = absorbed(instruction, type)) return sum;
     switch (instruction.op) {
       case Op::multiply:
         if (holds(right, 1.0f, 1)) return passes(left);
@@ -308,6 +341,7 @@ class Specialiser {
   std::vector<std::uint32_t> writes_;                      ///< By variable: instructions that write it.
   std::unordered_map<std::string, VariableId> constants_;  ///< By bitsKey.
   std::vector<VariableId> temporaries_;                    ///< By variable: what stands for a temporary.
+  std::unordered_map<VariableId, double> magnitudes_;      ///< Of temporaries: see magnitude.h.
   Known known_;
   Code start_;
 };

@@ -39,7 +39,8 @@ std::vector<std::string> notes(const std::string& text) {
 }
 
 TEST(Check, AcceptsACorrectShaderWithoutAWord) {
-  EXPECT_THAT(messages("shader s(float a = 1) { float b = sin(a) * luminance(color(a)); }"), ElementsAre());
+  EXPECT_THAT(messages("shader s(float a = 1, output float b = 0) { b = sin(a) * luminance(color(a)); }"),
+              ElementsAre());
 }
 
 TEST(Check, PointsAtTheOffendingToken) {
@@ -90,7 +91,7 @@ TEST(Check, ChoosesByTheResultThatIsAskedFor) {
 
 TEST(Check, HasNoWordsForWhatThePragmaSilences) {
   EXPECT_THAT(messages("shader s(float a = 1) {\n#pragma osl nowarn\n  { float a = 2; }\n}"), ElementsAre());
-  EXPECT_THAT(messages("shader s(float a = 1) {\n  { float a = 2; }\n}"),
+  EXPECT_THAT(messages("shader s(float a = 1, output float b = 0) {\n  { float a = 2; b = a; }\n}"),
               ElementsAre(HasSubstr("warning: 'a' hides another variable")));
 }
 

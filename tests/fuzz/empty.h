@@ -1,0 +1,1 @@
+// Stands for the standard library where a fuzzer does without it.
