@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/lang/analysis.h"
-#include "core/lang/builtins.h"
 #include "core/lang/closure_flow.h"
+#include "core/lang/closure_values.h"
 #include "core/lang/fold.h"
 #include "core/lang/lower.h"
 
@@ -14,16 +14,10 @@ namespace aerosol::lang {
 
 namespace {
 
-/// What a closure variable holds of one site.
-struct SiteValue {
-  std::vector<VariableId> linear;  ///< Colours that grow with the weight. The last one measures it in means.
-  std::vector<VariableId> mean;    ///< Averaged with the measures when two are added.
-};
-
-class ClosureExpansion {
+class ClosureExpansion : CodeWriter {
  public:
   ClosureExpansion(Program& program, const ReportAt& report)
-      : program_(program), report_(report), layers_(program, report), flow_(program, layers_) {}
+      : CodeWriter(program), program_(program), report_(report), layers_(program, report), flow_(program, layers_) {}
 
   void run() {
     flow_.run();
@@ -33,7 +27,13 @@ class ClosureExpansion {
       if (program_.variables[id].type.closure && program_.variables[id].storage != Storage::temporary) declare(id);
     Code body;
     rewrite(program_.body, body);
-    addOutputs(body);
+    if (program_.ci != noVariable) {
+      SiteValues result;
+      for (const std::uint32_t site : flow_.atEnd(program_.ci)) result.insert(*values_[program_.ci].find(site));
+      writeTo(&body);
+      setLocation(0);
+      addClosureOutputs(*this, result, report_);
+    }
     program_.body = std::move(body);
     program_.ci = noVariable;
   }
@@ -41,54 +41,17 @@ class ClosureExpansion {
  private:
   bool isVolume() const { return program_.isVolume(); }
   const std::string& closureOf(std::uint32_t site) const { return program_.closureSites[site].closure; }
-  bool scatters(std::uint32_t site) const {
-    const std::string& name = closureOf(site);
-    return name == "anisotropic_vdf" || name == "medium_vdf" || name == "isotropic" || name == "henyey_greenstein";
-  }
-  bool emits(std::uint32_t site) const { return closureOf(site) == "emission" || closureOf(site) == "uniform_edf"; }
+  bool scatters(std::uint32_t site) const { return isScattering(closureOf(site)); }
+  bool emits(std::uint32_t site) const { return isEmitting(closureOf(site)); }
 
   /// What an instruction's argument holds there.
-  std::map<std::uint32_t, SiteValue> held(const Instruction& instruction, std::size_t argument) const {
-    std::map<std::uint32_t, SiteValue> result;
+  SiteValues held(const Instruction& instruction, std::size_t argument) const {
+    SiteValues result;
     for (const std::uint32_t site : flow_.at(instruction, argument)) {
       const auto& values = values_[instruction.arguments[argument]];
       if (const auto known = values.find(site); known != values.end()) result.insert(*known);
     }
     return result;
-  }
-
-  VariableId add(const Type& type, Storage storage, std::string name) {
-    Variable variable;
-    variable.type = type;
-    variable.storage = storage;
-    variable.name = std::move(name);
-    variable.location = location_;
-    program_.variables.push_back(std::move(variable));
-    return static_cast<VariableId>(program_.variables.size() - 1);
-  }
-
-  VariableId constant(const Constant& value) {
-    for (const VariableId known : constants_) {
-      const Variable& variable = program_.variables[known];
-      if (sameBits({variable.type, variable.value}, value)) return known;
-    }
-    const VariableId id = add(value.type, Storage::constant, "");
-    program_.variables[id].value = value.value;
-    constants_.push_back(id);
-    return id;
-  }
-  VariableId number(float value) { return constant(Constant::ofFloat(value)); }
-  VariableId grey(float value) { return constant({types::color, std::vector<float>(3, value)}); }
-  VariableId zeroOf(VariableId other) { return constant(zeroConstant(program_.variables[other].type)); }
-
-  bool isGrey(VariableId id, float value) const {
-    const Variable& variable = program_.variables[id];
-    return variable.storage == Storage::constant && variable.type == types::color &&
-           sameBits({variable.type, variable.value}, {types::color, std::vector<float>(3, value)});
-  }
-  bool isMutable(VariableId id) const {
-    const Storage storage = program_.variables[id].storage;
-    return storage != Storage::constant && storage != Storage::temporary;
   }
 
   /// Variables of a closure variable that may be written more than once.
@@ -114,43 +77,11 @@ class ClosureExpansion {
     }
   }
 
-  // Instructions
-
-  Instruction& append(Op op, VariableId result, std::vector<VariableId> arguments) {
-    Instruction instruction;
-    instruction.op = op;
-    instruction.location = location_;
-    instruction.result = result;
-    instruction.arguments = std::move(arguments);
-    out_->push_back(std::move(instruction));
-    return out_->back();
-  }
-  VariableId emit(Op op, const Type& type, std::vector<VariableId> arguments) {
-    const VariableId result = add(type, Storage::temporary, "");
-    append(op, result, std::move(arguments));
-    return result;
-  }
-  VariableId call(const char* base, std::vector<VariableId> arguments, const Type& type = types::floating) {
-    std::vector<Type> types;
-    for (const VariableId id : arguments) types.push_back(program_.variables[id].type);
-    const std::string symbol = symbolOf(base, type, types);
-    std::uint32_t function = 0;
-    while (function < program_.functions.size() && program_.functions[function].symbol != symbol) ++function;
-    if (function == program_.functions.size()) program_.functions.push_back({symbol, true, 0});
-    const VariableId result = add(type, Storage::temporary, "");
-    append(Op::call, result, std::move(arguments)).function = function;
-    return result;
-  }
-  VariableId component(VariableId triple, int index) {
-    return emit(Op::component, types::floating, {triple, constant(Constant::ofInt(index))});
-  }
   VariableId scaled(VariableId color, VariableId factor) {
     if (isGrey(color, 1) && program_.variables[factor].type.isTriple()) return factor;
     if (isGrey(color, 1)) return emit(Op::toTriple, types::color, {factor});
     return emit(Op::multiply, types::color, {color, factor});
   }
-  /// The value as it is now.
-  VariableId kept(VariableId id) { return isMutable(id) ? emit(Op::assign, program_.variables[id].type, {id}) : id; }
   /// Sum of the components' magnitudes.
   VariableId measure(const SiteValue& value) {
     VariableId sum = noVariable;
@@ -216,11 +147,11 @@ class ClosureExpansion {
     return result;
   }
 
-  std::map<std::uint32_t, SiteValue> compute(const Instruction& instruction) {
+  SiteValues compute(const Instruction& instruction) {
     if (instruction.op == Op::closureMake) return {{instruction.site, make(instruction)}};
     if (instruction.op == Op::element) return elementOf(instruction);
     const bool isAdd = instruction.op == Op::closureAdd || instruction.op == Op::closureLayer;
-    std::map<std::uint32_t, SiteValue> result = held(instruction, 0);
+    SiteValues result = held(instruction, 0);
     if (instruction.op == Op::closureScale) {
       for (auto& [site, value] : result)
         for (VariableId& linear : value.linear) linear = scaled(linear, instruction.arguments[1]);
@@ -240,10 +171,9 @@ class ClosureExpansion {
   }
 
   /// The closures of `base` as they are below those of the instruction's first argument.
-  std::map<std::uint32_t, SiteValue> putBelow(const std::map<std::uint32_t, SiteValue>& base,
-                                              const Instruction& instruction) {
+  SiteValues putBelow(const SiteValues& base, const Instruction& instruction) {
     const auto present = held(instruction, 0);
-    std::map<std::uint32_t, SiteValue> result;
+    SiteValues result;
     for (const auto& [site, value] : base) {
       SiteValue below = value;
       for (const std::uint32_t top : flow_.tops().at(instruction.site)) {
@@ -259,8 +189,8 @@ class ClosureExpansion {
     return result;
   }
 
-  /// Calls `visit(index)` for each part of a closure in an array: the first time with the index as it is (out of range
-  /// it is reported), then with one that needs no report.
+  /// The index for each part of a closure in an array: the first time as it is (out of range it is reported), then one
+  /// that needs no report.
   class PartIndex {
    public:
     PartIndex(ClosureExpansion& expansion, VariableId index, int length)
@@ -282,10 +212,10 @@ class ClosureExpansion {
     bool isFirst_ = true;
   };
 
-  std::map<std::uint32_t, SiteValue> elementOf(const Instruction& instruction) {
+  SiteValues elementOf(const Instruction& instruction) {
     const VariableId array = instruction.arguments[0];
     PartIndex index(*this, instruction.arguments[1], program_.variables[array].type.arrayLength);
-    std::map<std::uint32_t, SiteValue> result = held(instruction, 0);
+    SiteValues result = held(instruction, 0);
     for (auto& [site, value] : result)
       for (auto* parts : {&value.linear, &value.mean})
         for (VariableId& part : *parts)
@@ -309,7 +239,7 @@ class ClosureExpansion {
     }
   }
 
-  void define(VariableId target, std::map<std::uint32_t, SiteValue> result) {
+  void define(VariableId target, SiteValues result) {
     if (program_.variables[target].storage == Storage::temporary) {
       for (auto& [site, value] : result)
         for (auto* parts : {&value.linear, &value.mean})
@@ -343,9 +273,9 @@ class ClosureExpansion {
   }
 
   void rewrite(const Code& code, Code& out) {
-    Code* const outer = std::exchange(out_, &out);
+    Code* const outer = writeTo(&out);
     for (const Instruction& instruction : code) {
-      location_ = instruction.location;
+      setLocation(instruction.location);
       const bool makesClosure = instruction.result != noVariable && program_.variables[instruction.result].type.closure;
       if (makesClosure && instruction.op == Op::setElement) {
         setElementOf(instruction);
@@ -353,6 +283,8 @@ class ClosureExpansion {
         define(instruction.result, compute(instruction));
       } else if (instruction.op == Op::toBool && program_.variables[instruction.arguments[0]].type.closure) {
         truth(instruction);
+      } else if (instruction.op == Op::closureText) {
+        append(Op::assign, instruction.result, {closureText(*this, held(instruction, 0))});
       } else {
         Instruction copy = instruction;
         for (std::size_t i = 0; i < copy.bodies.size(); ++i) {
@@ -363,70 +295,14 @@ class ClosureExpansion {
         out.push_back(std::move(copy));
       }
     }
-    out_ = outer;
-  }
-
-  // Outputs
-
-  void addOutputs(Code& body) {
-    out_ = &body;
-    location_ = 0;
-    if (program_.ci == noVariable) return;
-    std::map<std::uint32_t, SiteValue> result;
-    for (const std::uint32_t site : flow_.atEnd(program_.ci)) result.insert(*values_[program_.ci].find(site));
-    if (isVolume()) {
-      addVolumeOutputs(result);
-    } else {
-      for (const auto& [site, value] : result) {
-        program_.outputs.push_back({OutputKind::siteWeight, site, 0, value.linear[0]});
-        for (std::size_t i = 0; i < value.mean.size(); ++i)
-          program_.outputs.push_back({OutputKind::siteParameter, site, static_cast<std::uint32_t>(i), value.mean[i]});
-      }
-    }
-  }
-
-  VariableId plus(VariableId sum, VariableId more) {
-    return sum == noVariable ? more : emit(Op::add, types::color, {sum, more});
-  }
-
-  void addVolumeOutputs(const std::map<std::uint32_t, SiteValue>& result) {
-    VariableId sigmaT = noVariable, sigmaS = noVariable, emission = noVariable;
-    std::vector<const SiteValue*> lobes;
-    for (const auto& [site, value] : result) {
-      if (emits(site)) {
-        emission = plus(emission, value.linear[0]);
-        continue;
-      }
-      sigmaT = plus(sigmaT, value.linear[0]);
-      if (!scatters(site)) continue;
-      sigmaS = plus(sigmaS, value.linear[1]);
-      lobes.push_back(&value);
-      if (lobes.size() == maximumLobes + 1) {
-        report_(program_.closureSites[site].location,
-                "this volume adds more than " + std::to_string(maximumLobes) +
-                    " scattering closures to Ci (each call in the source counts, with functions inlined)");
-      }
-    }
-    const auto output = [&](OutputKind kind, std::uint32_t index, VariableId variable) {
-      program_.outputs.push_back({kind, index, 0, variable == noVariable ? grey(0) : variable});
-    };
-    output(OutputKind::sigmaT, 0, sigmaT);
-    output(OutputKind::sigmaS, 0, sigmaS);
-    output(OutputKind::emission, 0, emission);
-    for (std::uint32_t i = 0; i < lobes.size(); ++i) {
-      output(OutputKind::lobeSigmaS, i, lobes[i]->linear[1]);
-      output(OutputKind::lobeAnisotropy, i, lobes[i]->mean[0]);
-    }
+    writeTo(outer);
   }
 
   Program& program_;
   const ReportAt& report_;
-  std::vector<std::map<std::uint32_t, SiteValue>> values_;  ///< By variable: of temporaries, once they are defined.
-  std::vector<VariableId> constants_;
+  std::vector<SiteValues> values_;  ///< By variable: of temporaries, once they are defined.
   Layerings layers_;
   ClosureFlow flow_;
-  Code* out_ = nullptr;
-  std::uint32_t location_ = 0;
 };
 
 }  // namespace
