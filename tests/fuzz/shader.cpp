@@ -1,5 +1,5 @@
-// Compiling a shader from any bytes, from the preprocessor to a specialised program, ends with a program or with errors;
-// it never crashes, never hangs and never takes unbounded memory.
+// Compiling a shader from any bytes, from the preprocessor to a specialised program, ends with a program or with
+// errors; it never crashes, never hangs and never takes unbounded memory.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
