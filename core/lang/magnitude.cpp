@@ -41,7 +41,8 @@ double callMagnitude(std::string_view symbol, double largest) {
   const std::string_view name = symbol.substr(0, symbol.find('_'));
   const bool givesInt = symbol.substr(name.size()).starts_with("_i_");
   if (largest == infinite || (givesInt && name == "hash")) return infinite;
-  // Angles are reduced with few digits beyond this.
+  // Sums of coordinates may overflow; angles are reduced with few digits when they are large.
+  if (largest > 1e37) return infinite;
   if ((name == "sin" || name == "cos") && largest > 1e4) return infinite;
   for (const BoundedFunction& known : boundedFunctions)
     if (known.name == name) return known.bound;
@@ -83,7 +84,9 @@ double magnitudeOf(const Program& program, const Instruction& instruction, std::
              : arguments[0] * arguments[1] == 0 ? 0
                                                 : rounded(arguments[0] * arguments[1]);
     case Op::call:
-      return callMagnitude(program.functions[instruction.function].symbol, largest);
+      return program.functions[instruction.function].host
+                 ? infinite
+                 : callMagnitude(program.functions[instruction.function].symbol, largest);
     default:
       return instruction.op >= Op::less && instruction.op <= Op::notEqual ? 1 : infinite;
   }
