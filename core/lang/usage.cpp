@@ -232,7 +232,13 @@ class Usage {
   }
 
   void call(const Call& call) {
+    // The value of an option behind its name may be a variable that is written.
+    const auto isOption = [&](std::size_t i) {
+      return call.builtin && i >= call.builtin->parameters.size() && i > 0 &&
+             std::holds_alternative<StringLiteral>(call.arguments[i - 1]->node);
+    };
     const auto isOutput = [&](std::size_t i) {
+      if (isOption(i)) return true;
       if (call.builtin) return i < 32 && (call.builtin->outputs >> i & 1u) != 0;
       return call.function && i < call.function->parameters.size() && call.function->parameters[i]->isOutput;
     };

@@ -51,6 +51,10 @@ TEST(Usage, FindsReadsBeforeAnyAssignment) {
   EXPECT_THAT(warnings("float a; void set(float x) { a = x; } set(1); f = a;"), ElementsAre());
 }
 
+TEST(Usage, TakesOptionsForWritten) {
+  EXPECT_THAT(warnings("float a; f = texture(\"x\", p, p, \"alpha\", a); f += a;"), ElementsAre());
+}
+
 TEST(Usage, FindsStatementsThatAreNeverReached) {
   EXPECT_THAT(warnings("f = 1; return; f = 2; f = 3;"), ElementsAre("17: this statement is never reached"));
   EXPECT_THAT(warnings("for (int i = 0; i < 3; ++i) { if (i > p) { f = 1; continue; f = 2; } }"),
