@@ -6,6 +6,7 @@
 
 #include "core/lang/checker.h"
 #include "core/lang/overload.h"
+#include "core/lang/usage.h"
 
 namespace aerosol::lang {
 
@@ -47,7 +48,9 @@ bool isDeclaredClosure(const FunctionDeclaration& function) {
 }
 
 std::unique_ptr<CheckedSource> check(SourceFile& file, const SourceMap& sourceMap, Diagnostics& diagnostics) {
-  return Checker(sourceMap, diagnostics).run(file);
+  auto result = Checker(sourceMap, diagnostics).run(file);
+  if (!diagnostics.hasErrors()) warnAboutUsage(file, sourceMap, diagnostics);
+  return result;
 }
 
 std::unique_ptr<CheckedSource> Checker::run(SourceFile& file) {

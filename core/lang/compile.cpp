@@ -8,7 +8,6 @@
 #include "core/lang/compiled_file.h"
 #include "core/lang/lower.h"
 #include "core/lang/parser.h"
-#include "core/lang/usage.h"
 
 namespace aerosol::lang {
 
@@ -27,7 +26,6 @@ Result<CompiledSource> compile(Result<ParsedSource> parsed) {
   Diagnostics diagnostics = std::move(parsed->warnings);
   const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics);
   if (diagnostics.hasErrors()) return diagnostics;
-  warnAboutUsage(parsed->file, *parsed->sourceMap, diagnostics);
   auto program = lower(*checked, *parsed->sourceMap, diagnostics);
   if (!program) return diagnostics;
   CompiledSource result;
