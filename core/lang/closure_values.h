@@ -26,8 +26,4 @@ bool isEmitting(std::string_view closure);
 /// Computes the outputs of a shader whose Ci holds `result`.
 void addClosureOutputs(CodeWriter& writer, const SiteValues& result, const ReportAt& report);
 
-/// A string: the closures whose weight is not zero, each as `(r, g, b) * name (parameters)`, on lines of their own that
-/// begin with a plus sign. Volumes show an equal sum of closures.
-VariableId closureText(CodeWriter& writer, const SiteValues& closures);
-
 }  // namespace aerosol::lang

@@ -41,7 +41,6 @@ class CodeWriter {
     return id;
   }
   VariableId number(float value) { return constant(Constant::ofFloat(value)); }
-  VariableId text(std::string value) { return constant(Constant::ofString(std::move(value))); }
   VariableId grey(float value) { return constant({types::color, std::vector<float>(3, value)}); }
   VariableId zeroOf(VariableId other) { return constant(zeroConstant(program_.variables[other].type)); }
 
@@ -84,17 +83,6 @@ class CodeWriter {
   }
   VariableId component(VariableId triple, int index) {
     return emit(Op::component, types::floating, {triple, constant(Constant::ofInt(index))});
-  }
-  /// A call of one of the host's pure functions.
-  VariableId callHost(const char* name, std::vector<VariableId> arguments, const Type& type) {
-    std::uint32_t function = 0;
-    while (function < program_.functions.size() &&
-           !(program_.functions[function].host && program_.functions[function].symbol == name))
-      ++function;
-    if (function == program_.functions.size()) program_.functions.push_back({name, true, 0, true, 0});
-    const VariableId result = add(type, Storage::temporary, "");
-    append(Op::call, result, std::move(arguments)).function = function;
-    return result;
   }
   /// The value as it is now.
   VariableId kept(VariableId id) { return isMutable(id) ? emit(Op::assign, program_.variables[id].type, {id}) : id; }

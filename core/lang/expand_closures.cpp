@@ -283,8 +283,6 @@ class ClosureExpansion : CodeWriter {
         define(instruction.result, compute(instruction));
       } else if (instruction.op == Op::toBool && program_.variables[instruction.arguments[0]].type.closure) {
         truth(instruction);
-      } else if (instruction.op == Op::closureText) {
-        append(Op::assign, instruction.result, {closureText(*this, held(instruction, 0))});
       } else {
         Instruction copy = instruction;
         for (std::size_t i = 0; i < copy.bodies.size(); ++i) {

@@ -65,7 +65,6 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t
       const BaseType kind = baseOf(kindOf(piece.conversion));
       if (typeOf(parts[i]) == types::integer && kind == BaseType::floating)
         parts[i] = emit(Op::toFloat, types::floating, {parts[i]});
-      if (typeOf(parts[i]).closure && kind == BaseType::string) parts[i] = textOf(parts[i]);
       if (typeOf(parts[i]).closure || typeOf(parts[i]).base != kind) {
         error(argument.position,
               "the conversion " + piece.text + " does not show a value of type " + toString(argument.type));
@@ -80,14 +79,6 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t
     return std::nullopt;
   }
   return expanded;
-}
-
-VariableId Lowerer::textOf(VariableId closure) {
-  const VariableId result = temporary(types::string);
-  Instruction& instruction = append(Op::closureText);
-  instruction.result = result;
-  instruction.arguments = {closure};
-  return result;
 }
 
 /// The text by the format that is argument number `first` and lowered already.

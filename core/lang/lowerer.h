@@ -186,7 +186,6 @@ class Lowerer {
   VariableId formatted(const Call& called, std::size_t first, VariableId format, Position position);
   std::optional<std::string> expandFormat(const Call& called, std::size_t first, std::string_view format,
                                           std::vector<VariableId>& scalars);
-  VariableId textOf(VariableId closure);
   void scalarsOf(const Value& value, std::vector<VariableId>& scalars);
 
   // lower_host.cpp

@@ -8,7 +8,7 @@ namespace aerosol::lang {
 
 namespace {
 
-constexpr std::array<std::string_view, 51> opNames = {"assign",
+constexpr std::array<std::string_view, 50> opNames = {"assign",
                                                       "toFloat",
                                                       "toInt",
                                                       "toTriple",
@@ -52,7 +52,6 @@ constexpr std::array<std::string_view, 51> opNames = {"assign",
                                                       "closureWeight",
                                                       "closureParameter",
                                                       "closureLayer",
-                                                      "closureText",
                                                       "branch",
                                                       "loop",
                                                       "breakLoop",

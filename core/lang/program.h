@@ -100,7 +100,6 @@ enum class Op : std::uint8_t {
   closureWeight,     ///< (closure) → colour: weight of site `site`
   closureParameter,  ///< (closure) → parameter number `scopeId` of site `site`
   closureLayer,      ///< (top, base) → both, the sites of the base below those of the top; `site` numbers the layerings
-  closureText,       ///< (closure) → string: what printf shows of it
   // Control flow. Bodies are blocks of instructions.
   branch,  ///< if (arg0 int ≠ 0) bodies[0] else bodies[1]
   loop,    ///< bodies[0]: computes the condition variable arg0; bodies[1]: body; bodies[2]: step. testsLast: do-while
