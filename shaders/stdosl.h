@@ -79,25 +79,6 @@ int getmatrix(string from, output matrix m) { return getmatrix(from, "common", m
 
 // Patterns -------------------------------------------------------------------------------------------------------------
 
-// A linear ramp from 0 at low to 1 at high, whose corners are rounded by parabolas over a distance of eps.
-float smooth_linearstep(float low, float high, float x, float eps) {
-  if (low == high) return step(low, x);
-  float scale = 1 / (high - low);
-  float t = (x - low) * scale, e = eps * scale;
-  float rise = clamp(t + e, 0.0, 2 * e), fall = clamp(1 + e - t, 0.0, 2 * e);
-  if (t < e) return rise * rise / (4 * e);
-  if (t > 1 - e) return 1 - fall * fall / (4 * e);
-  return t;
-}
-#define AEROSOL_DEFINE(type)                                              \
-  type smooth_linearstep(type low, type high, type x, type eps) {         \
-    return type(smooth_linearstep(low[0], high[0], x[0], eps[0]),         \
-                smooth_linearstep(low[1], high[1], x[1], eps[1]),         \
-                smooth_linearstep(low[2], high[2], x[2], eps[2]));        \
-  }
-AEROSOL_FOR_EACH_TRIPLE(AEROSOL_DEFINE)
-#undef AEROSOL_DEFINE
-
 // Splines of cubic segments: a t^3 + b t^2 + c t + d between knots 1 and 2 (of bezier: 0 and 3, of hermite: 0 and 2) of
 // the four that belong to a segment.
 int aerosol_spline_stride(string basis) { return basis == "bezier" ? 3 : basis == "hermite" ? 2 : 1; }
@@ -252,19 +233,24 @@ vector aerosol_gabor_triple(point p, int periodic, point period, int anisotropic
                 aerosol_gabor(p, periodic, period, 2, anisotropic, direction, bandwidth, impulses));
 }
 
-// Closures -------------------------------------------------------------------------------------------------------------
-
-closure color reflection(normal n) { return reflection(n, 0.0); }
-closure color translucent() { return translucent(N); }
-
-// Complex index of refraction of a metal from its colour at facing and towards grazing angles (Gulbrandsen 2014,
-// "Artist friendly metallic Fresnel").
-void artistic_ior(color reflectivity, color edge_tint, output color ior, output color extinction) {
-  color r = clamp(reflectivity, color(0), color(0.99)), root = sqrt(r);
-  ior = mix((1 + root) / (1 - root), (1 - r) / (1 + r), edge_tint);
-  color above = ior + 1, below = ior - 1;
-  extinction = sqrt(max((r * above * above - below * below) / (1 - r), color(0)));
+// A linear ramp from 0 at low to 1 at high, whose corners are rounded by parabolas over a distance of eps.
+float smooth_linearstep(float low, float high, float x, float eps) {
+  if (low == high) return step(low, x);
+  float scale = 1 / (high - low);
+  float t = (x - low) * scale, e = eps * scale;
+  float rise = clamp(t + e, 0.0, 2 * e), fall = clamp(1 + e - t, 0.0, 2 * e);
+  if (t < e) return rise * rise / (4 * e);
+  if (t > 1 - e) return 1 - fall * fall / (4 * e);
+  return t;
 }
+#define AEROSOL_DEFINE(type)                                              \
+  type smooth_linearstep(type low, type high, type x, type eps) {         \
+    return type(smooth_linearstep(low[0], high[0], x[0], eps[0]),         \
+                smooth_linearstep(low[1], high[1], x[1], eps[1]),         \
+                smooth_linearstep(low[2], high[2], x[2], eps[2]));        \
+  }
+AEROSOL_FOR_EACH_TRIPLE(AEROSOL_DEFINE)
+#undef AEROSOL_DEFINE
 
 closure color mix(closure color x, closure color y, float a) { return x * (1 - a) + y * a; }
 closure color mix(closure color x, closure color y, color a) { return x * (1 - a) + y * a; }
@@ -408,5 +394,19 @@ color wavelength_color(float wavelength_nm) {
   return max(aerosol_rgb_from_xyz(mix(observer[i], observer[i + 1], at - i)) / 2.52, color(0));
 }
 #undef AEROSOL_OBSERVER
+
+// Closures -------------------------------------------------------------------------------------------------------------
+
+closure color reflection(normal n) { return reflection(n, 0.0); }
+closure color translucent() { return translucent(N); }
+
+// Complex index of refraction of a metal from its colour at facing and towards grazing angles (Gulbrandsen 2014,
+// "Artist friendly metallic Fresnel").
+void artistic_ior(color reflectivity, color edge_tint, output color ior, output color extinction) {
+  color r = clamp(reflectivity, color(0), color(0.99)), root = sqrt(r);
+  ior = mix((1 + root) / (1 - root), (1 - r) / (1 + r), edge_tint);
+  color above = ior + 1, below = ior - 1;
+  extinction = sqrt(max((r * above * above - below * below) / (1 - r), color(0)));
+}
 
 #endif
