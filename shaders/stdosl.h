@@ -252,8 +252,35 @@ float smooth_linearstep(float low, float high, float x, float eps) {
 AEROSOL_FOR_EACH_TRIPLE(AEROSOL_DEFINE)
 #undef AEROSOL_DEFINE
 
+// A step at edge, filtered by a box as wide as s and edge change between shading samples.
+float aastep(float edge, float s, float dedge, float ds) {
+  float width = fabs(dedge) + fabs(ds);
+  float low = edge - 0.5 * width;
+  return s <= low ? 0.0 : s >= edge + 0.5 * width ? 1.0 : (s - low) / width;
+}
+float aastep(float edge, float s, float ds) { return aastep(edge, s, filterwidth(edge), ds); }
+float aastep(float edge, float s) { return aastep(edge, s, filterwidth(edge), filterwidth(s)); }
+
 closure color mix(closure color x, closure color y, float a) { return x * (1 - a) + y * a; }
 closure color mix(closure color x, closure color y, color a) { return x * (1 - a) + y * a; }
+
+// Displacement ---------------------------------------------------------------------------------------------------------
+
+// Moves the surface, which then faces where its neighbouring points say. A space names the unit of amounts; normals
+// are longer where units of that space are.
+void displace(vector offset) {
+  P += offset;
+  N = normalize(calculatenormal(P));
+}
+void displace(float amount) { displace(amount * N); }
+void displace(string space, float amount) { displace(amount * length(transform(space, N)) * N); }
+void displace(string space, vector offset) { displace(transform(space, "common", offset)); }
+
+// The normal alone, as if the surface had been moved.
+void bump(vector offset) { N = normalize(calculatenormal(P + offset)); }
+void bump(float amount) { bump(amount * N); }
+void bump(string space, float amount) { bump(amount * length(transform(space, N)) * N); }
+void bump(string space, vector offset) { bump(transform(space, "common", offset)); }
 
 // Colours --------------------------------------------------------------------------------------------------------------
 

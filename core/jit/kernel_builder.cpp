@@ -9,6 +9,7 @@
 #include "core/jit/lowering.h"
 #include "core/jit/spaces.h"
 #include "core/lang/analysis.h"
+#include "core/lang/derivatives.h"
 #include "core/lang/uniformity.h"
 
 namespace aerosol::jit {
@@ -59,7 +60,11 @@ Program prepare(const KernelRequest& request) {
       }
     }
   }
-  return lang::slice(special, outputs, keepsMessages ? lang::Messages::keep : lang::Messages::drop);
+  const lang::Messages messages = keepsMessages ? lang::Messages::keep : lang::Messages::drop;
+  Program needed = lang::slice(special, outputs, messages);
+  if (!lang::readsDerivatives(needed)) return needed;
+  const Program expanded = lang::expandDerivatives(std::move(needed));
+  return lang::slice(expanded, expanded.outputs, messages);
 }
 
 std::optional<Diagnostic> checkLimits(const Program& program, const KernelRequest& request) {
@@ -308,7 +313,7 @@ void readInterface(const llvm::Function& kernel, KernelInterface& interface) {
   for (const llvm::LoadInst* load : loads) {
     const llvm::Value* base = nullptr;
     const std::uint64_t offset = offsetFrom(load->getPointerOperand(), base);
-    if (globals && base == globals) interface.globalsRead |= 1u << (offset / (sizeof(void*) * pointers));
+    if (globals && base == globals) interface.globalsRead |= std::uint64_t{1} << (offset / (sizeof(void*) * pointers));
   }
 }
 

@@ -11,7 +11,7 @@ namespace aerosol::jit {
 namespace {
 
 /// Changes whenever the layout below does.
-constexpr std::uint32_t formatVersion = 2;
+constexpr std::uint32_t formatVersion = 4;
 
 struct GlobalPointers {
   int first;
@@ -31,6 +31,18 @@ constexpr std::array<GlobalPointers, lang::globalCount> globalPointers = {{
     {24, 1},  // dtime
     {25, 3},  // dPdtime
     {28, 0},  // Ci
+    {28, 3},  // dPdx
+    {31, 3},  // dPdy
+    {34, 3},  // dPdz
+    {37, 3},  // dIdx
+    {40, 3},  // dIdy
+    {43, 1},  // dudx
+    {44, 1},  // dudy
+    {45, 1},  // dvdx
+    {46, 1},  // dvdy
+    {47, 3},  // dPsdx
+    {50, 3},  // dPsdy
+    {53, 1},  // flipHandedness
 }};
 
 /// Walks the fields of what is kept, once for both directions: `Stream` is a ByteWriter or a ByteReader.
@@ -128,7 +140,7 @@ int globalPointer(lang::Global global) { return globalPointers[static_cast<std::
 int globalComponents(lang::Global global) { return globalPointers[static_cast<std::size_t>(global)].count; }
 
 bool KernelInterface::reads(lang::Global global) const {
-  const std::uint32_t bits = ((1u << globalComponents(global)) - 1) << globalPointer(global);
+  const std::uint64_t bits = ((std::uint64_t{1} << globalComponents(global)) - 1) << globalPointer(global);
   return (globalsRead & bits) != 0;
 }
 

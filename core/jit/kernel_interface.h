@@ -70,7 +70,7 @@ struct KernelInterface {
   int width = 1;
   /// Bit i: pointer i of `AerosolKernelArguments::globals` is read. (Range kernels take two pointers a component, low
   /// then high; bit i stands for pointers 2i and 2i+1.)
-  std::uint32_t globalsRead = 0;
+  std::uint64_t globalsRead = 0;
   bool readsInstances = false;     ///< `instances` must be given.
   bool readsInstanceData = false;  ///< `instanceData` must be given.
   bool asksHostForSpaces = false;  ///< Calls spaceToWorld or worldToSpace.
@@ -95,7 +95,7 @@ struct KernelInterface {
 /// (Ci has none.)
 int globalPointer(lang::Global global);
 int globalComponents(lang::Global global);
-inline constexpr int globalPointerCount = 28;
+inline constexpr int globalPointerCount = 54;
 /// Range kernels take two pointers a component, low then high, and after those of the globals three more components: P
 /// in the instance's object space, exactly as the kernel's own transform of P rounds it. Callers that know nothing give
 /// all floats.

@@ -70,6 +70,7 @@ Number Lowering::checkedIndex(const Instruction& instruction, const Number& inde
     llvm::Value* const both = e_.ir.CreateBinaryIntrinsic(llvm::Intrinsic::smin, low, e_.ir.getInt32(length - 1));
     clamped = {Kind::integer, false, {both}};
   }
+  if (instruction.quiet) return clamped;
   report(AEROSOL_REPORT_INDEX, instruction.location, name, {lang::types::integer, lang::types::integer},
          {index, integer(static_cast<std::int32_t>(length))}, lanes);
   return clamped;

@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-enum { AEROSOL_ABI_VERSION = 2, AEROSOL_MAXIMUM_WIDTH = 16 };
+enum { AEROSOL_ABI_VERSION = 3, AEROSOL_MAXIMUM_WIDTH = 16 };
 
 /* Named transforms that a kernel may ask for, besides those by name through the host. Per instance, row-major 3x4
  * (rows of a map on column vectors), floats. "common" is world space. */
@@ -92,7 +92,13 @@ typedef struct AerosolKernelArguments {
   AerosolKernelContext* context;
   /* One pointer a component of each global that the kernel reads, in the order of Global, components x y z. Where the
    * kernel's interface says that a global is not read, its pointers may be null. Layout: P.x P.y P.z I.x I.y I.z N.x
-   * N.y N.z Ng.x Ng.y Ng.z u v dPdu.xyz dPdv.xyz Ps.xyz time dtime dPdtime.xyz (28 pointers). */
+   * N.y N.z Ng.x Ng.y Ng.z u v dPdu.xyz dPdv.xyz Ps.xyz time dtime dPdtime.xyz (28 pointers), then
+   *   dPdx.xyz dPdy.xyz dPdz.xyz dIdx.xyz dIdy.xyz dudx dudy dvdx dvdy dPsdx.xyz dPsdy.xyz flipHandedness
+   * (26 more): the derivatives that Dx, Dy, Dz, filterwidth, area, calculatenormal and filtered lookups start from. x
+   * and y are the host's two directions between neighbouring shading samples (of a picture: one pixel; of a grid of n x
+   * m points over the unit square: dudx = 1/n, dvdy = 1/m), z is the step in depth of volume shading. A host without
+   * neighbours gives zeros. They are read only where the shader uses a derivative. N, Ng, dPdu, dPdv, time, dtime and
+   * dPdtime have no derivatives. flipHandedness is 0, or 1 where calculatenormal has to point the other way. */
   const float* const* globals;
   const int32_t* instances; /* per point: index of its instance; may be null when the kernel does not read instances */
   const uint32_t* active;   /* per point: all bits set or zero; null: all n points are active */

@@ -11,8 +11,10 @@ namespace {
 constexpr auto call = BuiltinKind::call;
 constexpr auto comp = BuiltinKind::componentwise;
 constexpr auto special = BuiltinKind::special;
+constexpr auto derivative = BuiltinKind::derivative;
 
 constexpr const char* noiseSignatures = "r(f) r(ff) r(p) r(pf)";
+constexpr const char* derivativeSignatures = "f(f) v(p) v(v) v(n) c(c)";
 constexpr const char* periodicSignatures = "r(ff) r(ffff) r(pp) r(pfpf)";
 
 constexpr std::array table = {
@@ -107,6 +109,16 @@ constexpr std::array table = {
                "The x at which spline gives the value; the knots rise or fall."},
     BuiltinRow{"aerosol_hash", "i(iiii)", "hash", call, true, "The standard library's own: a hash of four ints."},
     BuiltinRow{"hash", "i(i) i(f) i(ff) i(p) i(pf)", "hash", call, true, "A whole number that depends on all bits."},
+    // Derivatives: core/lang/derivatives.h
+    BuiltinRow{"Dx", derivativeSignatures, "dx", derivative, true, "Change to the next shading sample in x."},
+    BuiltinRow{"Dy", derivativeSignatures, "dy", derivative, true, "Change to the next shading sample in y."},
+    BuiltinRow{"Dz", derivativeSignatures, "dz", derivative, true,
+               "Change to the next shading sample in depth, in volumes."},
+    BuiltinRow{"filterwidth", "f(f) v(p) v(v)", "filterwidth", derivative, true,
+               "Square root of Dx(x)^2 + Dy(x)^2: how much x changes between shading samples."},
+    BuiltinRow{"area", "f(p)", "area", derivative, true, "Area that one shading sample covers of the surface p."},
+    BuiltinRow{"calculatenormal", "v(p)", "calculatenormal", derivative, true,
+               "Perpendicular to the surface p, of the side that faces out; its length is area(p)."},
     // Strings
     BuiltinRow{"printf", "x(s*)", "", special, false, "Prints."},
     BuiltinRow{"warning", "x(s*)", "", special, false, "Prints as a warning of the shader."},

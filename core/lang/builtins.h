@@ -19,6 +19,7 @@ enum class BuiltinKind : std::uint8_t {
   call,           ///< One call of the run-time library.
   componentwise,  ///< One call a component of triple arguments; floats beside triples serve all components.
   special,        ///< By the lowering of its name (core/lang/lower_*.cpp).
+  derivative,     ///< As `call`; expandDerivatives replaces it.
   host,           ///< One call of the host's function `symbol`, whatever the types.
 };
 

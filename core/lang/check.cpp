@@ -16,7 +16,7 @@ struct GlobalRow {
   const char* name;
   Type type;
 };
-constexpr std::array<GlobalRow, globalCount> globalRows = {{
+constexpr std::array<GlobalRow, namedGlobalCount> globalRows = {{
     {"P", types::point},
     {"I", types::vector},
     {"N", types::normal},

@@ -1,4 +1,6 @@
 // Calls of texture functions: to the host goes one fixed list of arguments (see TextureFunction).
+#include <array>
+
 #include "core/lang/lowerer.h"
 #include "core/lang/texture_options.h"
 
@@ -16,7 +18,10 @@ Value Lowerer::lowerTexture(const Expression& expression, const Call& called) {
   };
   for (std::size_t i = 0; i < given; ++i) ids.push_back(lowered(i, overload.parameters[i]));
   // Derivatives that are not given are those of the coordinates.
-  while (ids.size() < function.argumentCount()) ids.push_back(zeroValue(function.type).single());
+  static constexpr std::array<const char*, 3> axes = {"dx", "dy", "dz"};
+  for (std::size_t axis = 0; axis < function.derivatives && ids.size() < function.argumentCount(); ++axis) {
+    for (std::size_t i = 1; i <= function.coordinates; ++i) ids.push_back(call(axes[axis], function.type, {ids[i]}));
+  }
   for (std::size_t i = given; i + 1 < called.arguments.size(); i += 2) {
     const std::string& name = std::get<StringLiteral>(called.arguments[i]->node).value;
     const TextureOption& option = *findTextureOption(name);

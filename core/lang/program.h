@@ -20,9 +20,38 @@ namespace aerosol::lang {
 using VariableId = std::uint32_t;
 inline constexpr VariableId noVariable = 0xffffffffu;
 
-/// The shader globals, in the order in which kernels receive them. Derivative globals (dPdu …) are ordinary values.
-enum class Global : std::uint8_t { P, I, N, Ng, u, v, dPdu, dPdv, Ps, time, dtime, dPdtime, Ci };
-inline constexpr int globalCount = 13;
+/// The shader globals, in the order in which kernels receive them; the tangents dPdu … are ordinary values. Those
+/// behind Ci have no name in the language: how the others change from a shading sample to its neighbours in x and y
+/// (and in depth, z), and whether the surface's handedness is flipped (not 0), which turns `calculatenormal`.
+enum class Global : std::uint8_t {
+  P,
+  I,
+  N,
+  Ng,
+  u,
+  v,
+  dPdu,
+  dPdv,
+  Ps,
+  time,
+  dtime,
+  dPdtime,
+  Ci,
+  dPdx,
+  dPdy,
+  dPdz,
+  dIdx,
+  dIdy,
+  dudx,
+  dudy,
+  dvdx,
+  dvdy,
+  dPsdx,
+  dPsdy,
+  flipHandedness,
+};
+inline constexpr int namedGlobalCount = 13;
+inline constexpr int globalCount = 25;
 
 enum class Storage : std::uint8_t {
   constant,   ///< `value` holds it.
@@ -112,6 +141,7 @@ enum class Op : std::uint8_t {
 struct Instruction {
   Op op{};
   bool testsLast = false;
+  bool quiet = false;  ///< Indices out of range are clamped without a report: another instruction has reported them.
   VariableId result = noVariable;
   std::uint32_t location = 0;  ///< Index into `Program::locations`.
   std::uint32_t scopeId = 0;

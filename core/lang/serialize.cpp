@@ -22,7 +22,7 @@ static void describe(A& archive, Variable& v) {
 }
 template <class A>
 static void describe(A& archive, Instruction& i) {
-  archive(i.op, i.testsLast, i.result, i.location, i.scopeId, i.site, i.function, i.arguments, i.bodies);
+  archive(i.op, i.testsLast, i.quiet, i.result, i.location, i.scopeId, i.site, i.function, i.arguments, i.bodies);
 }
 template <class A>
 static void describe(A& archive, FunctionUse& f) {

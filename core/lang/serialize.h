@@ -10,7 +10,7 @@
 namespace aerosol::lang {
 
 /// Counts up whenever the layout of a program changes.
-inline constexpr std::uint32_t programFormatVersion = 2;
+inline constexpr std::uint32_t programFormatVersion = 3;
 
 std::string serialise(const Program& program);
 

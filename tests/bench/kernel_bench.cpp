@@ -46,6 +46,21 @@ shader fbm(output float density = 0) {
   density = sum;
 }
 )"},
+    // Its value, and how much that changes between shading samples; asked for both, and for the value alone.
+    {"fbm_width", R"(
+shader fbm_width(output float density = 0, output float width = 0) {
+  float sum = 0, weight = 0.5;
+  point q = P;
+  for (int octave = 0; octave < 6; octave++) {
+    sum += weight * snoise(q);
+    q *= 2;
+    weight *= 0.5;
+  }
+  density = sum;
+  width = filterwidth(sum);
+}
+)"},
+    {"fbm_width_unread", ""},
     {"pyroclastic", R"(
 shader pyroclastic(output float density = 0) {
   float radius = length(P);
@@ -69,10 +84,14 @@ T valueOf(Result<T> result) {
   return std::move(*result);
 }
 
+const std::string& sourceOf(const std::string& name) {
+  return sources.at(name == "fbm_width_unread" ? "fbm_width" : name);
+}
+
 std::shared_ptr<const lang::Program> programOf(const std::string& name) {
   static std::map<std::string, std::shared_ptr<const lang::Program>> known;
   auto& program = known[name];
-  if (!program) program = valueOf(lang::compileString(sources.at(name), name + ".osl", {})).program;
+  if (!program) program = valueOf(lang::compileString(sourceOf(name), name + ".osl", {})).program;
   return program;
 }
 
@@ -85,6 +104,7 @@ jit::KernelRequest requestFor(const std::string& name, int width, jit::Isa isa) 
   jit::KernelRequest request;
   request.program = programOf(name);
   request.outputs = request.program->outputs;
+  if (name == "fbm_width_unread") request.outputs.resize(1);
   request.target = {width, isa};
   for (std::uint32_t i = 0; i < request.program->parameters.size(); ++i) {
     request.folded.push_back({i, request.program->parameters[i].defaultValue});
@@ -116,6 +136,10 @@ struct Call {
     globals[0] = points.x;
     globals[1] = points.y;
     globals[2] = points.z;
+    // Any derivatives.
+    const int dPdx = jit::globalPointer(lang::Global::dPdx);
+    for (int i = 0; i < 6; ++i)
+      globals[static_cast<std::size_t>(dPdx + i)] = points.x + static_cast<std::size_t>(i % 3) * pointCount;
     context.loopBudget = 1000000;
     arguments.context = &context;
     arguments.globals = globals.data();
@@ -134,7 +158,7 @@ struct Call {
 
 Function referenceFor(const Reference& reference, const std::string& name) {
   if (name == "sphere") return reference.sphere;
-  return name == "fbm" ? reference.fbm : reference.pyroclastic;
+  return name.starts_with("fbm") ? reference.fbm : reference.pyroclastic;
 }
 
 /// Shown as time a point.
@@ -192,7 +216,7 @@ void reportTimes(benchmark::State& state, const jit::CompileTimes& sum) {
 
 void runFrontEnd(benchmark::State& state, const std::string& name) {
   for (auto _ : state) {
-    benchmark::DoNotOptimize(valueOf(lang::compileString(sources.at(name), name + ".osl", {})));
+    benchmark::DoNotOptimize(valueOf(lang::compileString(sourceOf(name), name + ".osl", {})));
   }
 }
 
@@ -241,7 +265,7 @@ int registerAll() {
         RegisterBenchmark(label.c_str(), runShader, name, width, isa);
       }
     }
-    if (name == "constant") continue;
+    if (name == "constant" || name.starts_with("fbm_")) continue;
     RegisterBenchmark(("cpp/" + name + "/scalar").c_str(), runReference, name, scalarReference());
     RegisterBenchmark(("cpp/" + name + "/width:8").c_str(), runReference, name, vectorReference8());
     if (*host == jit::Isa::x86_64_v4) {

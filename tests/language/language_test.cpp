@@ -36,7 +36,8 @@ lang::ConstantValue converted(const lang::ConstantValue& value, const lang::Type
 int componentsOf(lang::Global global) { return globalComponents(global); }
 
 constexpr std::array<const char*, lang::globalCount> globalNames = {
-    "P", "I", "N", "Ng", "u", "v", "dPdu", "dPdv", "Ps", "time", "dtime", "dPdtime", "Ci"};
+    "P",    "I",    "N",    "Ng",   "u",    "v",    "dPdu", "dPdv", "Ps",   "time",  "dtime", "dPdtime",       "Ci",
+    "dPdx", "dPdy", "dPdz", "dIdx", "dIdy", "dudx", "dudy", "dvdx", "dvdy", "dPsdx", "dPsdy", "flipHandedness"};
 
 void setPoint(Batch& batch, std::size_t at, const LanguagePoint& point) {
   for (std::size_t i = 0; i < globalNames.size(); ++i) {

@@ -26,6 +26,7 @@
 #include "core/jit/runtime/math_special.h"
 #include "core/jit/runtime/math_trigonometric.h"
 #include "core/jit/runtime/noise_cell.h"
+#include "core/jit/runtime/noise_gradient.h"
 #include "core/jit/runtime/noise_perlin.h"
 #include "core/jit/runtime/noise_simplex.h"
 #if defined(AEROSOL_DOMAIN_RANGE)
@@ -48,6 +49,9 @@ using Int = std::int32_t;
 #define AEROSOL_SYMBOL(name) AEROSOL_SMALL_FUNCTION u_##name
 #define AEROSOL_LARGE(name) AEROSOL_LARGE_FUNCTION u_##name
 #include "core/jit/runtime/symbols.inc"
+#include "core/jit/runtime/symbols_gradient.inc"
+#undef AEROSOL_SYMBOL
+#undef AEROSOL_LARGE
 }  // namespace uniform
 
 #if defined(AEROSOL_DOMAIN_WIDE)
@@ -58,6 +62,9 @@ using Int = IntOf<Number>;
 #define AEROSOL_SYMBOL(name) AEROSOL_SMALL_FUNCTION w_##name
 #define AEROSOL_LARGE(name) AEROSOL_LARGE_FUNCTION w_##name
 #include "core/jit/runtime/symbols.inc"
+#include "core/jit/runtime/symbols_gradient.inc"
+#undef AEROSOL_SYMBOL
+#undef AEROSOL_LARGE
 }  // namespace wide
 
 #else
@@ -69,6 +76,9 @@ using Int = IntRange<IntOf<Wide<float, AEROSOL_WIDTH>>>;
 #define AEROSOL_LARGE(name) AEROSOL_LARGE_FUNCTION r_##name
 #include "core/jit/runtime/range_symbols.inc"
 #include "core/jit/runtime/symbols.inc"
+#include "core/jit/runtime/symbols_range_gradient.inc"
+#undef AEROSOL_SYMBOL
+#undef AEROSOL_LARGE
 }  // namespace range
 
 #endif

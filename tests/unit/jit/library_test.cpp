@@ -42,6 +42,32 @@ void addNoise(std::vector<Function>& functions) {
   }
 }
 
+/// Noise with its partial derivatives, which it writes to arguments behind the others.
+void addNoiseGradients(std::vector<Function>& functions) {
+  const auto add = [&](const std::string& base, const Type& result, const std::vector<Type>& coordinates,
+                       bool periodic) {
+    Function function{"", result, coordinates};
+    if (periodic) function.arguments.insert(function.arguments.end(), coordinates.begin(), coordinates.end());
+    for (const Type& coordinate : coordinates) {
+      const bool isTriple = coordinate.isTriple();
+      for (int i = 0; i < (isTriple && result.isTriple() ? 3 : 1); ++i) {
+        function.outputs |= 1u << function.arguments.size();
+        function.arguments.push_back(isTriple ? types::vector : result);
+      }
+    }
+    function.symbol = lang::symbolOf(base, result, function.arguments);
+    functions.push_back(std::move(function));
+  };
+  for (const Type& result : {types::floating, types::color}) {
+    for (const std::vector<Type>& coordinates : std::vector<std::vector<Type>>{
+             {types::floating}, {types::floating, types::floating}, {types::point}, {types::point, types::floating}}) {
+      for (const char* const base : {"gperlin", "guperlin", "gsimplex", "gusimplex"})
+        add(base, result, coordinates, false);
+      for (const char* const base : {"gpperlin", "gpuperlin"}) add(base, result, coordinates, true);
+    }
+  }
+}
+
 /// All that the table of built-in functions calls, and what its special rows become.
 std::vector<Function> libraryFunctions() {
   std::vector<Function> functions;
@@ -65,6 +91,7 @@ std::vector<Function> libraryFunctions() {
     }
   }
   addNoise(functions);
+  addNoiseGradients(functions);
   std::erase_if(functions, [&, seen = std::set<std::string>()](const Function& function) mutable {
     return !seen.insert(function.symbol).second;
   });

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "core/jit/runtime/noise_cell.h"
+#include "core/jit/runtime/noise_gradient.h"
 #include "core/jit/runtime/noise_perlin.h"
 #include "core/jit/runtime/noise_simplex.h"
 #include "tests/unit/jit/runtime_lanes.h"
@@ -76,7 +77,7 @@ double referenceGradient(std::uint32_t h, const std::vector<double>& d) {
 }
 
 /// Signed Perlin noise; a period of 0 is none.
-double referencePerlin(const std::vector<float>& at, unsigned shift, const std::vector<float>& periods) {
+double referencePerlin(const std::vector<double>& at, unsigned shift, const std::vector<double>& periods) {
   constexpr std::array scales = {0.25, 0.6616, 0.982, 0.8344};
   const std::size_t dimensions = at.size();
   double sum = 0;
@@ -85,8 +86,8 @@ double referencePerlin(const std::vector<float>& at, unsigned shift, const std::
     std::vector<double> offset;
     double weight = 1;
     for (std::size_t axis = 0; axis < dimensions; ++axis) {
-      const double low = std::floor(static_cast<double>(at[axis]));
-      const double t = static_cast<double>(at[axis]) - low;
+      const double low = std::floor(at[axis]);
+      const double t = at[axis] - low;
       const bool far = (corner >> axis & 1u) != 0;
       auto index = static_cast<std::int64_t>(low) + (far ? 1 : 0);
       if (!periods.empty()) {
@@ -106,13 +107,13 @@ std::uint32_t referenceScramble(std::uint32_t a, std::uint32_t b, std::uint32_t 
   return referenceFinal(a, b, c ^ 0xdeadbeefu);
 }
 
-double referenceSimplex(const std::vector<float>& at, std::uint32_t seed) {
+double referenceSimplex(const std::vector<double>& at, std::uint32_t seed) {
   const auto n = static_cast<int>(at.size());
   if (n == 1) {
-    const double low = std::floor(static_cast<double>(at[0]));
+    const double low = std::floor(at[0]);
     double sum = 0;
     for (int corner = 0; corner < 2; ++corner) {
-      const double x = static_cast<double>(at[0]) - low - corner;
+      const double x = at[0] - low - corner;
       const auto cell = static_cast<std::uint32_t>(static_cast<std::int64_t>(low) + corner);
       const std::uint32_t h = referenceScramble(cell, seed, 0);
       const double g = (1.0 + (h & 7u)) * ((h & 8u) != 0 ? -1 : 1);
@@ -123,16 +124,16 @@ double referenceSimplex(const std::vector<float>& at, std::uint32_t seed) {
   const double skew = (std::sqrt(n + 1.0) - 1) / n;
   const double unskew = (1 - 1 / std::sqrt(n + 1.0)) / n;
   double total = 0;
-  for (const float x : at) total += static_cast<double>(x);
+  for (const double x : at) total += x;
   std::vector<std::int64_t> cell;
   double cells = 0;
-  for (const float x : at) {
-    cell.push_back(static_cast<std::int64_t>(std::floor(static_cast<double>(x) + total * skew)));
+  for (const double x : at) {
+    cell.push_back(static_cast<std::int64_t>(std::floor(x + total * skew)));
     cells += static_cast<double>(cell.back());
   }
   std::vector<double> offset;
   for (std::size_t i = 0; i < at.size(); ++i) {
-    offset.push_back(static_cast<double>(at[i]) - (static_cast<double>(cell[i]) - cells * unskew));
+    offset.push_back(at[i] - (static_cast<double>(cell[i]) - cells * unskew));
   }
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < at.size(); ++i) order.push_back(i);
@@ -271,6 +272,81 @@ TEST(RuntimeNoise, simplexHasTheLanguagesValues) {
   }
 }
 
+/// Partial derivatives of a reference by central differences in double.
+template <class Function>
+std::vector<double> differences(const std::vector<double>& at, Function&& function) {
+  constexpr double step = 1e-4;
+  std::vector<double> partials;
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    std::vector<double> low = at, high = at;
+    low[i] -= step;
+    high[i] += step;
+    partials.push_back((function(high) - function(low)) / (2 * step));
+  }
+  return partials;
+}
+
+template <int N, class Function>
+void expectGradient(const rt::Jet<float, N>& jet, float value, const std::vector<double>& at, double tolerance,
+                    Function&& function) {
+  EXPECT_TRUE(isSame(jet.value, value));
+  const std::vector<double> expected = differences(at, function);
+  ASSERT_EQ(expected.size(), static_cast<std::size_t>(N));
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_NEAR(jet.partial[i], expected[i], tolerance) << N << " dimensions, coordinate " << i << " at " << at[0];
+  }
+}
+
+TEST(RuntimeNoise, perlinHasItsGradient) {
+  std::mt19937_64 random(6);
+  for (int trial = 0; trial < 5000; ++trial) {
+    const float x = coordinate(random), y = coordinate(random), z = coordinate(random), w = coordinate(random);
+    const Triple p = {x, y, z};
+    const Triple pp = {3, 5, 7};
+    const auto reference = [](unsigned shift, std::vector<double> periods = {}) {
+      return [=](const std::vector<double>& at) { return referencePerlin(at, shift, periods); };
+    };
+    constexpr double tolerance = 3e-5;
+    expectGradient(rt::perlinJet(x), rt::perlin(x), {x}, tolerance, reference(0));
+    expectGradient(rt::perlinJet(x, y), rt::perlin(x, y), {x, y}, tolerance, reference(0));
+    expectGradient(rt::perlinJet(p), rt::perlin(p), {x, y, z}, tolerance, reference(0));
+    expectGradient(rt::perlinJet(p, w), rt::perlin(p, w), {x, y, z, w}, tolerance, reference(0));
+    expectGradient(rt::perlinTripleJet(x).y, rt::perlinTriple(x).y, {x}, tolerance, reference(8));
+    expectGradient(rt::perlinTripleJet(x, y).z, rt::perlinTriple(x, y).z, {x, y}, tolerance, reference(16));
+    expectGradient(rt::perlinTripleJet(p).z, rt::perlinTriple(p).z, {x, y, z}, tolerance, reference(16));
+    expectGradient(rt::perlinTripleJet(p, w).y, rt::perlinTriple(p, w).y, {x, y, z, w}, tolerance, reference(8));
+    expectGradient(rt::periodicPerlinJet(x, 3.0f), rt::periodicPerlin(x, 3.0f), {x}, tolerance, reference(0, {3}));
+    expectGradient(rt::periodicPerlinJet(p, w, pp, 2.0f), rt::periodicPerlin(p, w, pp, 2.0f), {x, y, z, w}, tolerance,
+                   reference(0, {3, 5, 7, 2}));
+    expectGradient(rt::periodicPerlinTripleJet(p, pp).y, rt::periodicPerlinTriple(p, pp).y, {x, y, z}, tolerance,
+                   reference(8, {3, 5, 7}));
+    expectGradient(rt::unsignedPerlinJet(p), rt::unsignedPerlin(p), {x, y, z}, tolerance,
+                   [&](const auto& at) { return 0.5 + 0.5 * referencePerlin(at, 0, {}); });
+    if (HasFailure()) return;
+  }
+}
+
+TEST(RuntimeNoise, simplexHasItsGradient) {
+  std::mt19937_64 random(7);
+  for (int trial = 0; trial < 5000; ++trial) {
+    const auto near = [&] { return coordinate(random) * 0.1f; };
+    const float x = near(), y = near(), z = near(), w = near();
+    const Triple p = {x, y, z};
+    const auto reference = [](std::uint32_t seed) {
+      return [=](const std::vector<double>& at) { return referenceSimplex(at, seed); };
+    };
+    // As with values: offsets from the corners are rounded, by up to 1e-6, and second derivatives are up to 100.
+    constexpr double tolerance = 4e-4;
+    expectGradient(rt::simplexJet(x), rt::simplex(x), {x}, tolerance, reference(0));
+    expectGradient(rt::simplexJet(x, y), rt::simplex(x, y), {x, y}, tolerance, reference(0));
+    expectGradient(rt::simplexJet(p), rt::simplex(p), {x, y, z}, tolerance, reference(0));
+    expectGradient(rt::simplexJet(p, w), rt::simplex(p, w), {x, y, z, w}, tolerance, reference(0));
+    expectGradient(rt::simplexTripleJet(x).z, rt::simplexTriple(x).z, {x}, tolerance, reference(2));
+    expectGradient(rt::simplexTripleJet(p, w).y, rt::simplexTriple(p, w).y, {x, y, z, w}, tolerance, reference(1));
+    if (HasFailure()) return;
+  }
+}
+
 TEST(RuntimeNoise, cellAndHashNoiseHaveTheLanguagesValues) {
   std::mt19937_64 random(5);
   const auto unit = [](std::uint32_t h) { return static_cast<float>(h) * 2.3283064365386963e-10f; };
@@ -336,6 +412,9 @@ TEST(RuntimeNoiseBits, allKinds) {
   expectSameBits("perlin3", [](auto p, auto) { return rt::perlin(p); });
   expectSameBits("perlin4", [](auto p, auto w) { return rt::perlin(p, w); });
   expectSameBits("perlin3 triple", [](auto p, auto) { return rt::perlinTriple(p).y; });
+  expectSameBits("perlin3 gradient", [](auto p, auto) { return rt::perlinJet(p).partial[1]; });
+  expectSameBits("perlin4 gradient", [](auto p, auto w) { return rt::perlinTripleJet(p, w).y.partial[3]; });
+  expectSameBits("simplex3 gradient", [](auto p, auto) { return rt::simplexJet(p).partial[2]; });
   expectSameBits("periodic 1", [](auto p, auto) { return rt::periodicPerlin(p.x, p.y); });
   expectSameBits("periodic 3",
                  [](auto p, auto w) { return rt::periodicPerlin(p, rt::Triple<decltype(w)>{w, p.x, w}); });

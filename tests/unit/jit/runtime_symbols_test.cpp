@@ -38,8 +38,11 @@ std::set<std::string> symbolsOfTheTable() {
   std::set<std::string> symbols;
   lang::BuiltinOverloads overloads;
   for (const lang::BuiltinRow& row : lang::builtinTable()) {
-    if (row.kind == lang::BuiltinKind::special) continue;
-    for (const auto& overload : overloads.find(row.name)) symbols.insert(symbolOf(row, *overload));
+    if (row.kind == lang::BuiltinKind::special || row.kind == lang::BuiltinKind::derivative) continue;
+    for (const auto& overload : overloads.find(row.name)) {
+      // A name may have overloads that the host answers.
+      if (overload->row->kind != lang::BuiltinKind::host) symbols.insert(symbolOf(row, *overload));
+    }
   }
   return symbols;
 }
@@ -55,6 +58,18 @@ std::set<std::string> symbolsOfTheLowering() {
     }
     for (const std::string kind : {"pperlin", "puperlin", "pcell", "phash"}) {
       for (const std::string arguments : {"ff", "ffff", "vv", "vfvf"})
+        symbols.insert(kind + "_" + result + "_" + arguments);
+    }
+    // With partial derivatives.
+    const bool isFloat = result == "f";
+    for (const std::string kind : {"gperlin", "guperlin", "gsimplex", "gusimplex"}) {
+      for (const std::string arguments :
+           {isFloat ? "ff" : "fv", isFloat ? "ffff" : "ffvv", isFloat ? "vv" : "vvvv", isFloat ? "vfvf" : "vfvvvv"})
+        symbols.insert(kind + "_" + result + "_" + arguments);
+    }
+    for (const std::string kind : {"gpperlin", "gpuperlin"}) {
+      for (const std::string arguments : {isFloat ? "fff" : "ffv", isFloat ? "ffffff" : "ffffvv",
+                                          isFloat ? "vvv" : "vvvvv", isFloat ? "vfvfvf" : "vfvfvvvv"})
         symbols.insert(kind + "_" + result + "_" + arguments);
     }
   }

@@ -6,6 +6,7 @@
 
 #include "core/lang/analysis.h"
 #include "core/lang/compile.h"
+#include "core/lang/derivatives.h"
 #include "tests/language/language_case.h"
 #include "tests/unit/lang/interpreter.h"
 
@@ -87,7 +88,7 @@ TEST_P(LanguageFile, GivesWhatItsCommentsSay) {
   EXPECT_GT(expectations, 0u) << "the file expects nothing";
   const auto compiled = compileFile(GetParam(), options());
   ASSERT_TRUE(compiled) << format(compiled.errors());
-  const Program& program = *compiled->program;
+  const Program program = expandDerivatives(*compiled->program);
   for (const auto& [name, value] : test.parameters) {
     EXPECT_TRUE(std::any_of(program.parameters.begin(), program.parameters.end(),
                             [&](const Parameter& parameter) { return parameter.name == name; }))
