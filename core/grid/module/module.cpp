@@ -1,6 +1,7 @@
 #include <nanovdb/NanoVDB.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/util/logging.h>
 
 #include <exception>
 #include <fstream>
@@ -25,6 +26,7 @@ class File final : public VoxelFile {
 std::unique_ptr<const VoxelFile> read(const std::string& path, std::string& message) {
   try {
     openvdb::initialize();
+    openvdb::logging::setLevel(openvdb::logging::Level::Fatal);
     // OpenVDB does not look whether its reads succeed: the stream does.
     std::ifstream stream(path, std::ios::binary);
     stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);

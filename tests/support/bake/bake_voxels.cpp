@@ -65,7 +65,7 @@ openvdb::GridPtrVec makeCloud() {
         double detail = 0, scale = 3, weight = 0.5;
         for (int octave = 0; octave < 4; ++octave, scale *= 2.1, weight *= 0.5)
           detail += weight * noise(scale * x + 7, scale * y + 3, scale * z + 1);
-        const double shape = 0.62 - std::sqrt(x * x + 1.4 * (y - 0.05) * (y - 0.05) + z * z) + 0.55 * detail;
+        const double shape = 0.5 - std::sqrt(x * x + 1.4 * (y - 0.05) * (y - 0.05) + z * z) + 0.45 * detail;
         const double base = std::fmin(1.0, std::fmax(0.0, (y + 0.38) * 8));
         const double value = std::fmin(1.0, std::fmax(0.0, shape * 4)) * base;
         // A few levels only: the file is small, and nobody sees it.
