@@ -125,6 +125,8 @@ constexpr std::array table = {
     BuiltinRow{"error", "x(s*)", "", special, false, "Prints as an error of the shader."},
     // Others
     BuiltinRow{"arraylength", "i(A)", "", special, true, "Number of elements."},
+    BuiltinRow{"isconnected", "i(*)", "", special, true,
+               "Whether a parameter is connected: 1 to an earlier layer, 2 to a later one, 3 to both, else 0."},
     BuiltinRow{"exit", "x()", "", special, false, "Ends the shader."},
 };
 

@@ -26,10 +26,11 @@ Result<CompiledSource> compile(Result<ParsedSource> parsed) {
   Diagnostics diagnostics = std::move(parsed->warnings);
   const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics);
   if (diagnostics.hasErrors()) return diagnostics;
-  auto program = lower(*checked, *parsed->sourceMap, diagnostics);
-  if (!program) return diagnostics;
+  auto shader = lower(*checked, *parsed->sourceMap, diagnostics);
+  if (!shader) return diagnostics;
   CompiledSource result;
-  result.program = std::make_shared<const Program>(slice(*program, program->outputs, Messages::keep));
+  result.program = std::make_shared<const Program>(slice(shader->program, shader->program.outputs, Messages::keep));
+  result.layer = std::make_shared<const Program>(std::move(shader->layer));
   result.dependencies = std::move(parsed->dependencies);
   result.warnings = std::move(diagnostics);
   return result;

@@ -26,6 +26,7 @@ struct Dependency {
 
 struct CompiledSource {
   std::shared_ptr<const Program> program;
+  std::shared_ptr<const Program> layer;  ///< The shader as a layer of groups (see group.h).
   std::vector<Dependency> dependencies;
   Diagnostics warnings;
 };

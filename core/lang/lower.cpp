@@ -17,17 +17,18 @@ bool givesTruth(Op op) {
 
 }  // namespace
 
-std::optional<Program> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics) {
+std::optional<LoweredShader> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics) {
   const int errors = diagnostics.errorCount();
   Lowerer lowerer(source, sourceMap, diagnostics);
-  Program program = lowerer.run();
+  LoweredShader shader;
+  shader.layer = lowerer.run();
   if (diagnostics.errorCount() == errors) {
-    expandClosures(program, [&](std::uint32_t location, std::string message) {
+    shader.program = complete(shader.layer, [&](std::uint32_t location, std::string message) {
       diagnostics.add(sourceMap.error(lowerer.positionOf(location), std::move(message)));
     });
   }
   if (diagnostics.errorCount() != errors) return std::nullopt;
-  return program;
+  return shader;
 }
 
 void flatten(const Type& type, std::vector<Leaf>& leaves, const std::string& suffix) {
@@ -100,13 +101,6 @@ void Lowerer::lowerParameter(const VariableDeclaration& declaration) {
   std::vector<VariableId> targets;
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     const Type& type = leaves[i].type;
-    if (type.closure) {
-      // Closures come from connected layers only: without one, the parameter is what its default says.
-      value.leaves.push_back(local(type, declaration.name + leaves[i].suffix));
-      defaults.emplace_back(noVariable, initial.leaves[i]);
-      targets.push_back(value.leaves.back());
-      continue;
-    }
     const auto index = static_cast<std::uint32_t>(program_.parameters.size());
     Variable variable;
     variable.name = declaration.name + leaves[i].suffix;

@@ -16,13 +16,22 @@ inline constexpr std::size_t maximumInstructions = 200000;  ///< With all functi
 inline constexpr std::size_t maximumFrameValues = 1 << 18;  ///< Ints, floats and strings of all variables together.
 inline constexpr int maximumInlining = 128;                 ///< Calls inside of calls.
 
-/// Lowers the shader of a source that was checked without errors: user functions inlined, structures flattened,
-/// closures taken apart into weights and parameters (so that no variable of closure type is left), outputs computed at
-/// the end. Nothing when `diagnostics` got errors.
-std::optional<Program> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics);
+/// A shader in both of its forms.
+struct LoweredShader {
+  Program layer;
+  Program program;  ///< `layer` made complete.
+};
+
+/// Lowers the shader of a source that was checked without errors: user functions inlined, structures flattened.
+/// Nothing when `diagnostics` got errors.
+std::optional<LoweredShader> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics);
 
 /// Says that something is wrong at `Program::locations[location]`.
 using ReportAt = std::function<void(std::uint32_t location, std::string message)>;
+
+/// Makes a program of its own from a layer: parameters have no connections, closures are taken apart, outputs computed
+/// at the end. Parameters that are closures are gone, so that the others may have another index.
+Program complete(Program layer, const ReportAt& report);
 
 /// Replaces closure values: every closure variable becomes, for each call site whose closure it may hold, variables for
 /// what is linear in the weight (surfaces: the weight; volumes: extinction, scattering, emission) and for what is

@@ -68,6 +68,7 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
     const Value array = lower(*called.arguments[0]);
     return {result, {constantInt(array.type.arrayLength)}};
   }
+  if (name == "isconnected") return lowerIsConnected(expression, called);
   if (name == "exit") {
     if (!inBody_) error(expression.position, "a parameter's default value cannot end the shader");
     frames_.front().usesLeave = true;

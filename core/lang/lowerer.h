@@ -158,6 +158,7 @@ class Lowerer {
   Value lowerComponentwise(const BuiltinOverload& overload, const std::vector<Value>& arguments);
   Value componentwise(const std::string& base, const Type& result, const std::vector<Value>& arguments);
   Value lowerSpecial(const Expression& expression, const Call& call);
+  Value lowerIsConnected(const Expression& expression, const Call& call);
   Value lowerSelect(const Type& type, const std::vector<Value>& arguments);
   Value lowerSincos(const Call& call);
   Value lowerNoise(const Expression& expression, const Call& call, bool periodic);

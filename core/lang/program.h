@@ -211,6 +211,7 @@ struct Parameter {
   VariableId variable = noVariable;  ///< Its value in `Program::variables`.
   VariableId isSet = noVariable;  ///< Int variable (storage parameter) that is 1 when an instance gives a value; only
                                   ///< when !hasConstantDefault.
+  VariableId isConnected = noVariable;  ///< Int variable that `isconnected` reads, where the source asks. Layers only.
 };
 
 /// What a kernel can deliver. A variant of a kernel delivers a subset; what only the others need is not computed.
@@ -237,7 +238,8 @@ struct Output {
 
 inline constexpr int maximumLobes = 4;
 
-/// A compiled shader before code generation.
+/// A compiled shader before code generation. As a layer of a group it still has its closure operations, `ci` and
+/// parameters that are closures; `complete` (see lower.h) makes it a program of its own, which has none.
 struct Program {
   std::string kind;  ///< surface | volume | displacement | shader
   std::string name;

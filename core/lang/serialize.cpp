@@ -42,8 +42,8 @@ static void describe(A& archive, MetadataValue& m) {
 }
 template <class A>
 static void describe(A& archive, Parameter& p) {
-  archive(p.name, p.type, p.isOutput, p.hasConstantDefault, p.defaultValue, p.metadata, p.location, p.variable,
-          p.isSet);
+  archive(p.name, p.type, p.isOutput, p.hasConstantDefault, p.defaultValue, p.metadata, p.location, p.variable, p.isSet,
+          p.isConnected);
 }
 template <class A>
 static void describe(A& archive, Output& o) {

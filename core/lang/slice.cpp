@@ -169,6 +169,7 @@ void Slicer::renumber(Program& program) const {
   for (Parameter& parameter : program.parameters) {
     parameter.variable = renumbered(parameter.variable);
     parameter.isSet = renumbered(parameter.isSet);
+    parameter.isConnected = renumbered(parameter.isConnected);
   }
   program.ci = renumbered(program.ci);
   program.variables = std::move(keptVariables);
