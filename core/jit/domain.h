@@ -15,7 +15,7 @@ namespace aerosol::jit {
 struct Number {
   Kind kind = Kind::floating;
   bool varying = false;
-  std::array<llvm::Value*, 3> parts{};
+  std::array<llvm::Value*, 8> parts{};
 };
 
 /// The numbers of a value, component after component.
@@ -64,6 +64,8 @@ class NumberDomain {
 
   /// The number that is known exactly in each lane.
   virtual Number exact(Kind kind, llvm::Value* lanes) = 0;
+  /// The number that lies between two ends (the same one in exact domains), each with lanes.
+  virtual Number between(llvm::Value* low, llvm::Value* high) = 0;
   Number broadcast(const Number& uniform) { return exact(uniform.kind, e_.splat(uniform.parts[0])); }
   /// Every value of the kind.
   virtual Number anything(Kind kind) = 0;

@@ -81,7 +81,7 @@ std::optional<Diagnostic> checkLimits(const Program& program, const KernelReques
     error.notes.push_back("at most " + std::to_string(request.limits.instructions) + " are allowed");
     return error;
   }
-  const std::uint64_t parts = request.domain == Domain::range ? 3 : 1;
+  const std::uint64_t parts = request.domain == Domain::range ? 8 : 1;
   std::uint64_t bytes = 0;
   for (const lang::Variable& variable : program.variables) {
     if (variable.storage == Storage::constant || variable.storage == Storage::temporary) continue;
@@ -154,7 +154,7 @@ class OutputWriter {
     constexpr std::array rangeParts = {OutputPart::low, OutputPart::high, OutputPart::mayBeNan};
     constexpr std::array stringParts = {OutputPart::value, OutputPart::unknown};
     const Number lanes = domain_.varying(number);
-    const unsigned parts = domain_.partCount(number.kind);
+    const unsigned parts = std::min<unsigned>(domain_.partCount(number.kind), rangeParts.size());
     for (unsigned part = 0; part < parts; ++part) {
       const auto type = number.kind == Kind::floating  ? lang::BaseType::floating
                         : number.kind == Kind::integer ? lang::BaseType::integer
@@ -313,7 +313,10 @@ void readInterface(const llvm::Function& kernel, KernelInterface& interface) {
   for (const llvm::LoadInst* load : loads) {
     const llvm::Value* base = nullptr;
     const std::uint64_t offset = offsetFrom(load->getPointerOperand(), base);
-    if (globals && base == globals) interface.globalsRead |= std::uint64_t{1} << (offset / (sizeof(void*) * pointers));
+    if (!globals || base != globals) continue;
+    const std::uint64_t component = offset / (sizeof(void*) * pointers);
+    // What lies behind the globals of a range kernel is P in another form.
+    interface.globalsRead |= component < globalPointerCount ? std::uint64_t{1} << component : 7u;
   }
 }
 

@@ -174,16 +174,23 @@ Number KernelFrame::global(unsigned component) {
   if (!globals_) {
     globals_ = atEntry([&] { return argument(offsetof(AerosolKernelArguments, globals), e_.ir.getPtrTy()); });
   }
-  // Bounds come as two pointers, low and high; bounds that are no numbers do not come at all.
-  const unsigned pointers = domain_.splitsMasks() ? 2 : 1;
-  Number number{Kind::floating, true, {}};
-  for (unsigned i = 0; i < pointers; ++i) {
-    llvm::Value* const pointer = atEntry([&] {
-      return e_.ir.CreateLoad(e_.ir.getPtrTy(), e_.pointerAt(globals_, sizeof(void*) * (component * pointers + i)));
-    });
-    number.parts[i] = atChunkStart([&] { return lanesAt(pointer, e_.laneType(Kind::floating), 4); });
+  const auto input = [&](std::size_t pointer) {
+    llvm::Value* const array =
+        atEntry([&] { return e_.ir.CreateLoad(e_.ir.getPtrTy(), e_.pointerAt(globals_, sizeof(void*) * pointer)); });
+    return atChunkStart([&] { return lanesAt(array, e_.laneType(Kind::floating), 4); });
+  };
+  if (!domain_.splitsMasks()) return it->second = {Kind::floating, true, {input(component)}};
+  // Bounds come as two pointers, low and high, and those of P with their line over the box.
+  llvm::Value* const low = input(2 * std::size_t{component});
+  llvm::Value* const high = input(2 * std::size_t{component} + 1);
+  const auto point = static_cast<unsigned>(globalPointer(lang::Global::P));
+  if (component < point || component >= point + 3) {
+    return it->second = atChunkStart([&] { return domain_.between(low, high); });
   }
-  if (pointers == 2) number.parts[2] = e_.zero(domain_.partType(Kind::floating, 2));
+  Number number{Kind::floating, true, {low, high, e_.zero(domain_.partType(Kind::floating, 2))}};
+  for (std::size_t part = 0; part < rangeLineParts; ++part) {
+    number.parts[3 + part] = input(rangeLineStart + (component - point) * rangeLineParts + part);
+  }
   return it->second = number;
 }
 

@@ -97,9 +97,13 @@ int globalPointer(lang::Global global);
 int globalComponents(lang::Global global);
 inline constexpr int globalPointerCount = 54;
 /// Range kernels take two pointers a component, low then high, and after those of the globals three more components: P
-/// in the instance's object space, exactly as the kernel's own transform of P rounds it. Callers that know nothing give
-/// all floats.
-inline constexpr std::size_t rangeInputCount = 2 * (globalPointerCount + 3);
+/// in the instance's object space, exactly as the kernel's own transform of P rounds it (all floats where the caller
+/// knows nothing). Then come, for x, y and z of P, the parts of a line over the box: centre, three slopes, rest. With
+/// some coordinates e in [-1, 1] of a point of the box, each component of P is within rest of centre + slope · e; a
+/// rest of infinity says nothing.
+inline constexpr std::size_t rangeLineStart = 2 * (globalPointerCount + 3);
+inline constexpr std::size_t rangeLineParts = 5;
+inline constexpr std::size_t rangeInputCount = rangeLineStart + 3 * rangeLineParts;
 
 /// As bytes, for the cache. `deserialise` gives nothing when the bytes are not a whole interface.
 std::string serialise(const KernelInterface& interface);

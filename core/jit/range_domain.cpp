@@ -1,6 +1,6 @@
 // Bounds over boxes of points, one box a lane. All arithmetic is the run-time library's (runtime/range_symbols.h): a
-// float is {lo, hi, lanes that may be NaN}, an int {lo, hi}. A string is {hash, lanes in which it is not one known
-// string}.
+// float is {lo, hi, lanes that may be NaN, centre, slopes, rest}, an int {lo, hi}. A string is {hash, lanes in which it
+// is not one known string}.
 #include <string>
 
 #include "core/jit/domain.h"
@@ -10,6 +10,10 @@ namespace aerosol::jit {
 namespace {
 
 using lang::Op;
+
+/// Of a float, in their order: low, high, may be NaN; centre, three slopes, rest.
+constexpr unsigned floatParts = 8;
+constexpr unsigned nanPart = 2;
 
 const char* symbolOf(Op op) {
   switch (op) {
@@ -53,9 +57,9 @@ class RangeDomain final : public NumberDomain {
   explicit RangeDomain(Emitter& emitter) : NumberDomain(emitter) {}
 
   char symbolPrefix() const override { return 'r'; }
-  unsigned partCount(Kind kind) const override { return kind == Kind::floating ? 3 : 2; }
+  unsigned partCount(Kind kind) const override { return kind == Kind::floating ? floatParts : 2; }
   llvm::Type* partType(Kind kind, unsigned part) override {
-    return e_.laneType(kind == Kind::floating && part == 2 ? Kind::integer : kind);
+    return e_.laneType(kind == Kind::floating && part == nanPart ? Kind::integer : kind);
   }
   bool splitsMasks() const override { return true; }
   bool widensAtBudget() const override { return true; }
@@ -65,22 +69,38 @@ class RangeDomain final : public NumberDomain {
     if (kind == Kind::integer) return {kind, true, {lanes, lanes}};
     if (kind == Kind::string) return {kind, true, {lanes, zero}};
     llvm::Value* const isNan = e_.ir.CreateFCmpUNO(lanes, lanes);
-    const Number all = anything(kind);
-    return {kind,
-            true,
-            {e_.ir.CreateSelect(isNan, all.parts[0], lanes), e_.ir.CreateSelect(isNan, all.parts[1], lanes),
-             e_.ir.CreateSExt(isNan, zero->getType())}};
+    Number number = anything(kind);
+    for (unsigned part = 0; part < floatParts; ++part) {
+      const bool isValue = part < nanPart || part == nanPart + 1;
+      llvm::Value* const known = isValue ? lanes : e_.zero(partType(kind, part));
+      number.parts[part] = e_.ir.CreateSelect(isNan, number.parts[part], known);
+    }
+    return number;
+  }
+
+  Number between(llvm::Value* low, llvm::Value* high) override {
+    const unsigned bytes = partBytes(Kind::floating, true);
+    llvm::Value* const ends[] = {e_.slot(low->getType(), "low", bytes), e_.slot(low->getType(), "high", bytes)};
+    e_.ir.CreateAlignedStore(low, ends[0], llvm::Align(bytes));
+    e_.ir.CreateAlignedStore(high, ends[1], llvm::Align(bytes));
+    llvm::Value* const result = e_.slot(llvm::ArrayType::get(e_.laneType(Kind::floating), floatParts), "range", bytes);
+    e_.callLibrary("r_between_ff", {result, ends[0], ends[1]});
+    return load(Kind::floating, true, result);
   }
 
   Number anything(Kind kind) override {
     llvm::Type* const type = e_.laneType(kind);
-    llvm::Constant* const ones = llvm::Constant::getAllOnesValue(partType(kind, partCount(kind) - 1));
+    llvm::Constant* const ones =
+        llvm::Constant::getAllOnesValue(partType(kind, kind == Kind::floating ? nanPart : partCount(kind) - 1));
     if (kind == Kind::string) return {kind, true, {e_.zero(type), ones}};
     if (kind == Kind::integer) {
       llvm::Constant* const lowest = llvm::ConstantInt::get(type, llvm::APInt::getSignedMinValue(32));
       return {kind, true, {lowest, llvm::ConstantInt::get(type, llvm::APInt::getSignedMaxValue(32))}};
     }
-    return {kind, true, {llvm::ConstantFP::getInfinity(type, true), llvm::ConstantFP::getInfinity(type), ones}};
+    llvm::Constant* const none = e_.zero(type);
+    llvm::Constant* const infinite = llvm::ConstantFP::getInfinity(type);
+    llvm::Constant* const negative = llvm::ConstantFP::getInfinity(type, true);
+    return {kind, true, {negative, infinite, ones, none, none, none, none, infinite}};
   }
 
   Number unary(Op op, const Number& x) override {

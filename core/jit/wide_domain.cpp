@@ -18,6 +18,8 @@ class WideDomain final : public NumberDomain {
   bool widensAtBudget() const override { return false; }
 
   Number exact(Kind kind, llvm::Value* lanes) override { return {kind, true, {lanes}}; }
+  Number between(llvm::Value* low, llvm::Value*) override { return exact(Kind::floating, low); }
+
   Number anything(Kind kind) override { return {kind, true, {e_.zero(e_.laneType(kind))}}; }
 
   Number unary(Op op, const Number& x) override {

@@ -131,7 +131,8 @@ BoundsBatch::BoundsBatch(int capacity)
 
 BoundsBatch::~BoundsBatch() = default;
 
-/// Globals of volume points are P, I and time, all others are 0; P is given in both spaces.
+/// Globals of volume points are P, I and time, all others are 0; P is given in both spaces, and as a line over the
+/// object's box.
 void BoundsBatch::gather(const Instance& placed, std::span<const VolumeBox> boxes) {
   const auto put = [&](int component, std::size_t box, float low, float high) {
     arrays_->input(2 * static_cast<std::size_t>(component))[box] = low;
@@ -161,6 +162,29 @@ void BoundsBatch::gather(const Instance& placed, std::span<const VolumeBox> boxe
           above(static_cast<double>(box.box.upper[axis]) + slack));
     }
     put(jit::globalPointer(lang::Global::time), i, box.timeLow, box.timeHigh);
+    gatherLine(toWorld, box.box, i);
+  }
+}
+
+void BoundsBatch::gatherLine(const Matrix4& toWorld, const Box<Object>& box, std::size_t at) {
+  const Corner low = corner(box.lower), high = corner(box.upper);
+  for (std::size_t row = 0; row < 3; ++row) {
+    const auto put = [&](std::size_t part, float value) {
+      arrays_->input(jit::rangeLineStart + row * jit::rangeLineParts + part)[at] = value;
+    };
+    double centre = toWorld[row][3];
+    double rest = std::abs(centre) * 1e-14;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double term = toWorld[row][axis] * (0.5 * (low[axis] + high[axis]));
+      const double slope = toWorld[row][axis] * (0.5 * (high[axis] - low[axis]));
+      const auto rounded = static_cast<float>(slope);
+      put(1 + axis, rounded);
+      centre += term;
+      rest += std::abs(slope - static_cast<double>(rounded)) + (std::abs(term) + std::abs(slope)) * 1e-14;
+    }
+    const auto rounded = static_cast<float>(centre);
+    put(0, rounded);
+    put(4, above(rest + std::abs(centre - static_cast<double>(rounded))));
   }
 }
 

@@ -74,6 +74,7 @@ class BoundsBatch {
  private:
   struct Arrays;
   void gather(const Instance& placed, std::span<const VolumeBox> boxes);
+  void gatherLine(const Matrix4& toWorld, const Box<Object>& box, std::size_t at);
   void scatter(const jit::KernelInterface& interface, std::span<CoefficientBounds> bounds) const;
 
   std::size_t capacity_;

@@ -2,7 +2,8 @@
  * pointers, the result first, as elsewhere (runtime.cpp). In the bitcode for W lanes, with F a vector of W floats, I of
  * W int32:
  *
- *   range float  struct { F lo, hi; I nan; }   nan: all ones in lanes where the value may be NaN; ends are never NaN
+ *   range float  struct { F lo, hi; I nan; F centre, slope[3], rest; }   nan: all ones in lanes where the value may be
+ *                NaN; ends are never NaN; the others: a line over the box (range_form.h)
  *   range int    struct { I lo, hi; }
  *   truth        struct { I mayTrue, mayFalse; }   masks; at least one is set in every lane
  *   triple       struct { range float x, y, z; }, matrix: struct { range float m[16]; }
@@ -22,6 +23,7 @@
  *   r_select_tff r_select_tii                      (result*, truth*, a*, b*): a where it may be true, b where it may be
  *                                                  false, both joined where undecided
  *   r_select_kff r_select_kii                      by a mask: a where set, else b. This is assignment under a mask
+ *   r_between_ff                                   the range of two ends, each F
  *   r_join_ff r_join_ii                            hull of both
  *   r_meet_ff                                      what both hold; the first where they have nothing in common
  *   r_assign_kkff r_assign_kkii   (result*, must*, may*, new*, old*): assignment under control flow: `must` lanes

@@ -5,7 +5,7 @@
 // parameters are pointers, the result first; what is written is non-const. Prefix u_ takes scalars (float, int32);
 // w_ (wide domain) takes W lanes: vectors of float or int32 aligned to their size, triples as struct {x, y, z},
 // matrices as struct {m[16]}, row-major; r_ (range domain) takes ranges of W lanes (range_symbols.h). Small functions
-// ask to be inlined always, large ones are left to the inliner. There is no state, no libm and no address of a global:
+// ask to be inlined always, large ones (all of ranges) are left to the inliner. There is no state, no libm and no address of a global:
 // `aerosol_processor_avx512` is a constant that the compiler of kernels folds (processor.h).
 
 #if !defined(AEROSOL_WIDTH)
@@ -30,7 +30,7 @@
 #include "core/jit/runtime/noise_perlin.h"
 #include "core/jit/runtime/noise_simplex.h"
 #if defined(AEROSOL_DOMAIN_RANGE)
-#include "core/jit/runtime/range_functions.h"
+#include "core/jit/runtime/range_form_noise.h"
 #endif
 
 extern "C" {
@@ -70,9 +70,9 @@ using Int = IntOf<Number>;
 #else
 
 namespace range {
-using Number = Range<Wide<float, AEROSOL_WIDTH>>;
+using Number = Form<Wide<float, AEROSOL_WIDTH>>;
 using Int = IntRange<IntOf<Wide<float, AEROSOL_WIDTH>>>;
-#define AEROSOL_SYMBOL(name) AEROSOL_SMALL_FUNCTION r_##name
+#define AEROSOL_SYMBOL(name) AEROSOL_LARGE_FUNCTION r_##name
 #define AEROSOL_LARGE(name) AEROSOL_LARGE_FUNCTION r_##name
 #include "core/jit/runtime/range_symbols.inc"
 #include "core/jit/runtime/symbols.inc"

@@ -229,11 +229,28 @@ std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& box
       globals.push_back(static_cast<const float*>(arrays.back().get()));
     }
   }
-  while (globals.size() < rangeInputCount) {
+  while (globals.size() < rangeLineStart) {
     // Nothing is known of P in object space.
     const float end = globals.size() % 2 == 0 ? -INFINITY : INFINITY;
     arrays.push_back(padded(std::vector<float>(boxes.count, end), boxes.count));
     globals.push_back(static_cast<const float*>(arrays.back().get()));
+  }
+  for (std::size_t component = 0; component < 3; ++component) {
+    // The box's own axes.
+    std::array<std::vector<float>, rangeLineParts> line;
+    for (std::vector<float>& part : line) part.resize(boxes.count, 0.0f);
+    for (std::size_t box = 0; box < boxes.count; ++box) {
+      const float low = boxes.low[component][box], high = boxes.high[component][box];
+      const float centre = std::clamp(low + 0.5f * (high - low), low, high);
+      const float half = low == high ? 0.0f : std::nextafter(std::max(high - centre, centre - low), INFINITY);
+      line[0][box] = centre;
+      line[1 + component][box] = half;
+      if (!std::isfinite(centre) || !std::isfinite(half)) line[4][box] = INFINITY;
+    }
+    for (const std::vector<float>& part : line) {
+      arrays.push_back(padded(part, boxes.count));
+      globals.push_back(static_cast<const float*>(arrays.back().get()));
+    }
   }
   std::vector<void*> outputs;
   for (std::size_t i = 0; i < interface.outputs.size(); ++i) {
