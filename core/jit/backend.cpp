@@ -94,13 +94,10 @@ void setTarget(llvm::Function& function, const Target& target) {
 }
 
 /// Links the library functions that the kernel calls. Gives what went wrong, if anything.
-std::string linkRuntime(llvm::Module& module, std::string_view runtime, const Target& target) {
-  llvm::Expected<std::unique_ptr<llvm::Module>> library =
-      llvm::getLazyBitcodeModule(llvm::MemoryBufferRef(runtime, "runtime"), module.getContext(), true);
-  if (!library) return llvm::toString(library.takeError());
-  (*library)->setTargetTriple(module.getTargetTriple());
-  (*library)->setDataLayout(module.getDataLayout());
-  if (llvm::Linker::linkModules(module, std::move(*library), llvm::Linker::LinkOnlyNeeded)) {
+std::string linkRuntime(llvm::Module& module, std::unique_ptr<llvm::Module> library, const Target& target) {
+  library->setTargetTriple(module.getTargetTriple());
+  library->setDataLayout(module.getDataLayout());
+  if (llvm::Linker::linkModules(module, std::move(library), llvm::Linker::LinkOnlyNeeded)) {
     return "the runtime library does not link";
   }
   if (llvm::GlobalVariable* avx512 = module.getNamedGlobal("aerosol_processor_avx512")) {
@@ -224,11 +221,14 @@ Result<GeneratedCode> generateCode(const KernelRequest& request, std::string_vie
   module.setTargetTriple(triple);
   module.setDataLayout(machine->createDataLayout());
   module.setPICLevel(llvm::PICLevel::BigPIC);
-  Result<KernelInterface> interface = buildKernel(module, request);
+  llvm::Expected<std::unique_ptr<llvm::Module>> library =
+      llvm::getLazyBitcodeModule(llvm::MemoryBufferRef(runtime, "runtime"), context, true);
+  if (!library) return internalError(llvm::toString(library.takeError()));
+  Result<KernelInterface> interface = buildKernel(module, request, **library);
   if (!interface) return interface.errors();
   result.times.lowering = watch.lap();
 
-  if (const std::string problem = linkRuntime(module, runtime, request.target); !problem.empty()) {
+  if (const std::string problem = linkRuntime(module, std::move(*library), request.target); !problem.empty()) {
     return internalError(problem);
   }
   result.times.linkRuntime = watch.lap();

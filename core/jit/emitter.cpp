@@ -2,8 +2,12 @@
 
 namespace aerosol::jit {
 
-Emitter::Emitter(llvm::Function& function, Target target)
-    : ir(function.getContext()), function_(function), target_(target), width_(static_cast<unsigned>(target.width)) {}
+Emitter::Emitter(llvm::Function& function, Target target, const llvm::Module& library)
+    : ir(function.getContext()),
+      function_(function),
+      target_(target),
+      library_(library),
+      width_(static_cast<unsigned>(target.width)) {}
 
 llvm::Type* Emitter::scalarType(Kind kind) {
   switch (kind) {

@@ -15,7 +15,8 @@ enum class Kind : std::uint8_t { floating, integer, string };
 /// Emits into one function. At width 1 lane types are the scalar types.
 class Emitter {
  public:
-  Emitter(llvm::Function& function, Target target);
+  /// `library` is the run-time library that the code will be linked with.
+  Emitter(llvm::Function& function, Target target, const llvm::Module& library);
 
   llvm::IRBuilder<> ir;
 
@@ -24,6 +25,7 @@ class Emitter {
   llvm::Function& function() { return function_; }
   unsigned width() const { return width_; }
   Target target() const { return target_; }
+  const llvm::Module& library() const { return library_; }
 
   llvm::Type* scalarType(Kind kind);
   llvm::Type* laneType(llvm::Type* scalar);
@@ -56,12 +58,15 @@ class Emitter {
   /// A load or store at a byte offset, aligned to what the type's size allows up to `alignment`.
   llvm::Value* loadAt(llvm::Type* type, llvm::Value* base, llvm::Value* byteOffset, unsigned alignment);
   llvm::Value* pointerAt(llvm::Value* base, std::uint64_t byteOffset);
+  /// Does the run-time library have this function?
+  bool libraryHas(const std::string& symbol) const { return library_.getFunction(symbol) != nullptr; }
   /// Calls a function of the run-time library, which knows nothing but its arguments, and comes back.
   void callLibrary(const std::string& symbol, llvm::ArrayRef<llvm::Value*> pointers);
 
  private:
   llvm::Function& function_;
   Target target_;
+  const llvm::Module& library_;
   unsigned width_;
 };
 

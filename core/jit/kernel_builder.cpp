@@ -259,7 +259,7 @@ class KernelLoops {
 
 }  // namespace
 
-Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& request) {
+Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& request, const llvm::Module& library) {
   const Program program = prepare(request);
   if (auto error = checkLimits(program, request)) return std::move(*error);
   KernelInterface interface;
@@ -277,7 +277,7 @@ Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& r
 
   const lang::Uniformity::Inputs inputs = uniformityInputs(program, interface, request);
   const lang::Uniformity uniformity(program, program.body, inputs);
-  Emitter emitter(*declareKernel(module), request.target);
+  Emitter emitter(*declareKernel(module), request.target, library);
   const std::unique_ptr<NumberDomain> domain =
       request.domain == Domain::range ? makeRangeDomain(emitter) : makeWideDomain(emitter);
   KernelLoops loops(emitter, *domain, program, uniformity, request, interface);

@@ -8,9 +8,9 @@
 
 namespace aerosol::jit {
 
-/// Adds the function `kernel` to the module, with declarations of the library functions that it calls. The interface is
-/// complete but for what only optimised code tells (`readInterface`).
-Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& request);
+/// Adds the function `kernel` to the module, with declarations of the functions of the run-time library that it calls.
+/// The interface is complete but for what only optimised code tells (`readInterface`).
+Result<KernelInterface> buildKernel(llvm::Module& module, const KernelRequest& request, const llvm::Module& library);
 
 /// What the finished kernel reads of its arguments.
 void readInterface(const llvm::Function& kernel, KernelInterface& interface);

@@ -82,6 +82,9 @@ void Lowering::emitCall(const Instruction& instruction) {
     for (const Number& number : value) varies = varies || number.varying;
     values.push_back(std::move(value));
   }
+  if (varies && domain_.splitsMasks() && !e_.libraryHas(domain_.symbolPrefix() + ("_" + function.symbol))) {
+    return widenResults(instruction);  // It has no rule for ranges.
+  }
   llvm::SmallVector<llvm::Value*, 8> pointers;
   const bool hasResult = instruction.result != lang::noVariable;
   const llvm::ArrayRef<Kind> resultKinds = hasResult ? variables_.kinds(instruction.result) : llvm::ArrayRef<Kind>();

@@ -99,7 +99,7 @@ llvm::Function* Lowering::recordFunction() {
 /// void record(context, bits, kind, site, base, values, count, list): calls the host for each set bit from the lowest
 /// on. The bits' points are those from `base` on, or what the list holds there.
 void Lowering::fillRecordFunction(llvm::Function& function) {
-  Emitter f(function, e_.target());
+  Emitter f(function, e_.target(), e_.library());
   llvm::Value* const context = function.getArg(0);
   llvm::Value* const bits = function.getArg(1);
   llvm::Value* const values = function.getArg(5);

@@ -59,6 +59,15 @@ template <FloatLanes F>
 AEROSOL_INLINE IntOf<F> isFar(const Triple<Range<F>>& p) {
   return isFar(p.x) | isFar(p.y) | isFar(p.z);
 }
+/// Coordinates whose sums may overflow: the weights of corners are 0 then, and 0 times infinity is no number.
+template <FloatLanes F>
+AEROSOL_INLINE IntOf<F> mayOverflow(const Range<F>& x) {
+  return ~(less(abs(x.lo), F(1e37f)) & less(abs(x.hi), F(1e37f))) | x.nan;
+}
+template <FloatLanes F>
+AEROSOL_INLINE IntOf<F> mayOverflow(const Triple<Range<F>>& p) {
+  return mayOverflow(p.x) | mayOverflow(p.y) | mayOverflow(p.z);
+}
 template <FloatLanes F>
 AEROSOL_INLINE F greatestSimplex(IntOf<F> far) {
   return select(far, F(5.0f), F(0.93f));
@@ -119,13 +128,13 @@ template <RangeArgument A, RangeArgument... B>
 AEROSOL_INLINE auto simplex(A a, B... b) {
   return detail::simplexRange(
       (detail::knownBits(a) & ... & detail::knownBits(b)), simplex(detail::lowerEnd(a), detail::lowerEnd(b)...),
-      (detail::isFar(a) | ... | detail::isFar(b)), (detail::mayMiss(a) | ... | detail::mayMiss(b)));
+      (detail::isFar(a) | ... | detail::isFar(b)), (detail::mayOverflow(a) | ... | detail::mayOverflow(b)));
 }
 template <RangeArgument A, RangeArgument... B>
 AEROSOL_INLINE auto simplexTriple(A a, B... b) {
   return detail::simplexRange(
       (detail::knownBits(a) & ... & detail::knownBits(b)), simplexTriple(detail::lowerEnd(a), detail::lowerEnd(b)...),
-      (detail::isFar(a) | ... | detail::isFar(b)), (detail::mayMiss(a) | ... | detail::mayMiss(b)));
+      (detail::isFar(a) | ... | detail::isFar(b)), (detail::mayOverflow(a) | ... | detail::mayOverflow(b)));
 }
 namespace detail {
 

@@ -171,6 +171,18 @@ TEST(Bounds, holdForACloudAndAreUseful) {
   EXPECT_GT(tight, 4u) << "boxes that are points have close bounds";
 }
 
+TEST(Bounds, aFunctionWithoutARuleGivesEverything) {
+  ProgramBuilder b;
+  b.output(b.call("unheard_of_f_v", types::floating, {b.global(Global::P)}));
+  const Kernel kernel = compileOrFail(rangeRequest(b.build(), 4));
+  const auto bounds = runRange(kernel, randomBoxes(3, 1));
+  for (const auto& box : bounds) {
+    EXPECT_EQ(box[0].low, -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(box[0].high, std::numeric_limits<double>::infinity());
+    EXPECT_TRUE(box[0].mayBeNan);
+  }
+}
+
 TEST(Bounds, anEndlessLoopGivesEverything) {
   ProgramBuilder b;
   const VariableId x = b.local(types::floating, "x");
