@@ -233,6 +233,7 @@ TEST(RangeShader, everyRowOfTheBuiltinTableHasARule) {
   for (const lang::BuiltinRow& row : lang::builtinTable()) {
     if (!seen.insert(row.name).second) continue;
     for (const auto& overload : overloads.find(row.name)) {
+      if (overload->row->kind == lang::BuiltinKind::host) continue;  // Unknown wherever it is asked for over boxes.
       const bool isNoise = std::string(row.name) == "noise" || std::string(row.name) == "pnoise";
       const bool isNamed = isNoise && overload->parameters[0] == lang::types::string;
       for (const char* kind : {"perlin", "uperlin", "cell", "hash", "simplex", "usimplex"}) {
