@@ -5,8 +5,8 @@
 // parameters are pointers, the result first; what is written is non-const. Prefix u_ takes scalars (float, int32);
 // w_ (wide domain) takes W lanes: vectors of float or int32 aligned to their size, triples as struct {x, y, z},
 // matrices as struct {m[16]}, row-major; r_ (range domain) takes ranges of W lanes (range_symbols.h). Small functions
-// ask to be inlined always, large ones (all of ranges) are left to the inliner. There is no state, no libm and no address of a global:
-// `aerosol_processor_avx512` is a constant that the compiler of kernels folds (processor.h).
+// ask to be inlined always, large ones (all of ranges) are left to the inliner. There is no state, no libm and no
+// address of a global: `aerosol_processor_avx512` is a constant that the compiler of kernels folds (processor.h).
 
 #if !defined(AEROSOL_WIDTH)
 #error "AEROSOL_WIDTH must be 1, 4, 8 or 16"
