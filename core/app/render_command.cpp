@@ -163,6 +163,7 @@ class Render {
     const ShaderReport report = reportMessages(scene_->messages->sorted(), scene_->messages->dropped());
     console_.print(report.printed);
     std::fflush(console_.out);
+    console_.report(appendToFiles(report.files));
     console_.report(report.messages);
     Diagnostics found = reportInvalidCoefficients(*scene_);
     found.append(reportInvalidClosures(*scene_));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <tuple>
 
@@ -48,6 +49,16 @@ double roundUp(double value) {
 
 }  // namespace
 
+Diagnostics appendToFiles(const std::map<std::string, std::string>& files) {
+  Diagnostics errors;
+  for (const auto& [name, text] : files) {
+    std::ofstream file(name, std::ios::binary | std::ios::app);
+    if (!(file << text).flush())
+      errors.warning({}, fmt::format("what a shader printed to '{}' cannot be written", name));
+  }
+  return errors;
+}
+
 ShaderReport reportMessages(const std::vector<render::Message>& messages, std::uint64_t dropped) {
   ShaderReport report;
   using Key = std::tuple<std::uint32_t, std::string, int, int, std::string>;
@@ -56,6 +67,10 @@ ShaderReport reportMessages(const std::vector<render::Message>& messages, std::u
   for (const render::Message& message : messages) {
     if (message.kind == AEROSOL_MESSAGE_PRINT) {
       report.printed += message.text;
+      continue;
+    }
+    if (message.kind == AEROSOL_MESSAGE_FILE) {
+      report.files[message.file] += message.text;
       continue;
     }
     const SourceLocation& at = message.location;

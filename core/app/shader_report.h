@@ -1,6 +1,7 @@
 // What shaders said and did wrong during a render.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,13 @@ namespace aerosol::app {
 
 /// All that is printed once the image is safe.
 struct ShaderReport {
-  std::string printed;   ///< Of printf, in the order (pixel, sample, call).
+  std::string printed;                       ///< Of printf, in the order (pixel, sample, call).
+  std::map<std::string, std::string> files;  ///< Of fprintf: what goes to the end of each file.
   Diagnostics messages;  ///< warning(), error() and reports; one said many times stands where it was first said.
 };
+
+/// Writes the texts at the ends of the files.
+Diagnostics appendToFiles(const std::map<std::string, std::string>& files);
 
 /// `dropped` messages were too many to be kept.
 ShaderReport reportMessages(const std::vector<render::Message>& messages, std::uint64_t dropped);

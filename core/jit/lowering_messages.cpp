@@ -38,7 +38,8 @@ void Lowering::emitMessage(const Instruction& instruction) {
   }
   static_assert(static_cast<int>(lang::MessageKind::print) == AEROSOL_MESSAGE_PRINT &&
                 static_cast<int>(lang::MessageKind::warning) == AEROSOL_MESSAGE_WARNING &&
-                static_cast<int>(lang::MessageKind::error) == AEROSOL_MESSAGE_ERROR);
+                static_cast<int>(lang::MessageKind::error) == AEROSOL_MESSAGE_ERROR &&
+                static_cast<int>(lang::MessageKind::file) == AEROSOL_MESSAGE_FILE);
   report(instruction.function, instruction.location, texts.at(0), std::move(types), values, mask().may);
 }
 

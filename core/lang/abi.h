@@ -32,7 +32,8 @@ enum {
   AEROSOL_MESSAGE_ERROR = 2,
   AEROSOL_REPORT_INDEX = 3,  /* array index out of range: two int arguments: index, length */
   AEROSOL_REPORT_BUDGET = 4, /* a loop ran out of its iteration budget: no arguments */
-  AEROSOL_REPORT_HOST = 5    /* left by a host function: `site` is that of the call, one string argument: the text */
+  AEROSOL_REPORT_HOST = 5,   /* left by a host function: `site` is that of the call, one string argument: the text */
+  AEROSOL_MESSAGE_FILE = 6   /* for the end of a file, whose name comes before the arguments of the format */
 };
 
 /* One argument of a record, 8 bytes: an int32, a float (both in the low bytes) or a string's 64-bit hash. */

@@ -29,6 +29,10 @@ using ParameterValues = std::map<std::uint32_t, ConstantValue>;
 /// turn out constant name a constant variable.
 Program specialise(const Program& program, const ParameterValues& values);
 
+/// Replaces calls of `isconstant` by 1 where the argument is the same for all points of an instance, otherwise by 0.
+/// True when there were some.
+bool resolveConstancy(Program& program);
+
 /// What the program reads from outside.
 struct Reads {
   std::array<bool, globalCount> globals{};

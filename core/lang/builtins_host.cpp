@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/lang/builtins.h"
+#include "core/lang/program.h"
 
 namespace aerosol::lang {
 
@@ -25,6 +26,14 @@ constexpr std::array table = {
     BuiltinRow{"split", "i(s!S) i(s!Ss) i(s!Ssi)", "split", host, true,
                "Puts the parts of a string between separators (default: blanks) into an array, at most as many as the "
                "last argument says, and gives their number."},
+    BuiltinRow{
+        "regex_search", "i(ss) i(s!Is)", "regex_search", host, true,
+        "Whether a part of the string matches a regular expression: (text, [array that receives begin and end of "
+        "the match and of each group,] expression)."},
+    BuiltinRow{
+        "regex_match", "i(ss) i(s!Is)", "regex_match", host, true,
+        "Whether the whole string matches a regular expression: (text, [array that receives begin and end of the "
+        "match and of each group,] expression)."},
     BuiltinRow{"format", "s(s*)", "format", special, true, "The text that printf would print."},
     // Textures. Their options stand in texture_options.cpp.
     BuiltinRow{"texture", "f(sff*) c(sff*) v(sff*) f(sffffff*) c(sffffff*) v(sffffff*)", "texture", special, true,
@@ -47,6 +56,36 @@ constexpr std::array table = {
         "Puts attributes of points into arrays: (cloud, indices, how many, name, array ...); 1 when all is there."},
     BuiltinRow{"pointcloud_write", "i(sp*)", "pointcloud_write", host, false,
                "Adds a point to a cloud that is saved when the image is finished: (cloud, position, name, value ...)."},
+    BuiltinRow{"fprintf", "x(ss*)", "", special, false, "Prints at the end of a file: (file name, format, …)."},
+    // What the renderer knows
+    BuiltinRow{
+        "getattribute", "i(s!?) i(si!?) i(ss!?) i(ssi!?)", "getattribute", special, true,
+        "Value of a named attribute: ([object,] name [, index of an element], variable). 1 when it was found and "
+        "could become the variable's type; otherwise the variable stays as it is.",
+        dependsOnPoint},
+    BuiltinRow{"raytype", "i(s)", "raytype", host, true, "Whether the ray is of a kind such as \"camera\".",
+               dependsOnPoint},
+    BuiltinRow{"backfacing", "i()", "backfacing", host, true, "Whether the surface is seen from behind.",
+               dependsOnPoint},
+    BuiltinRow{"surfacearea", "f()", "surfacearea", host, true, "Area of the object, in square scene units.",
+               dependsOnPoint},
+    BuiltinRow{"setmessage", "x(s?)", "setmessage", host, false,
+               "Keeps a value by name for getmessage, for the rest of the point's shading.", writesMessages},
+    BuiltinRow{
+        "getmessage", "i(s!?) i(ss!?)", "getmessage", host, true,
+        "Value that setmessage, or the source named first (\"trace\"), keeps under a name: 1 when there is one of "
+        "the variable's type.",
+        dependsOnPoint | readsMessages},
+    BuiltinRow{"dict_find", "i(ss) i(is)", "dict_find", host, true,
+               "The first node of a dictionary (XML text, or the name of such a file), or below a node, that an XPath "
+               "query matches; 0: none, -1: no dictionary."},
+    BuiltinRow{"dict_next", "i(i)", "dict_next", host, true, "The next node that matched the node's query, or 0."},
+    BuiltinRow{"dict_value", "i(is!?)", "dict_value", host, true,
+               "Puts an attribute of a node, or with \"\" its text, into a variable: 1 when it can be of its type."},
+    BuiltinRow{"isconnected", "i(?)", "isconnected", special, true,
+               "Whether a parameter is connected: 1 to an earlier layer, 2 to a later one, 3 to both."},
+    BuiltinRow{"isconstant", "i(?)", "isconstant", special, true,
+               "Whether the value is the same for all points of an instance."},
 };
 
 }  // namespace

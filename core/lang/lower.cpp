@@ -99,6 +99,7 @@ void Lowerer::lowerParameter(const VariableDeclaration& declaration) {
   Value value{declaration.type, {}};
   std::vector<std::pair<VariableId, VariableId>> defaults;  // isSet, value
   std::vector<VariableId> targets;
+  const std::size_t firstParameter = program_.parameters.size();
   for (std::size_t i = 0; i < leaves.size(); ++i) {
     const Type& type = leaves[i].type;
     const auto index = static_cast<std::uint32_t>(program_.parameters.size());
@@ -141,6 +142,7 @@ void Lowerer::lowerParameter(const VariableDeclaration& declaration) {
       branch(defaults[i].first, [] {}, set);
     }
   }
+  for (std::size_t i = firstParameter; i < program_.parameters.size(); ++i) bindUserData(program_.parameters[i]);
 }
 
 std::vector<MetadataValue> Lowerer::lowerMetadata(const std::vector<Metadata>& metadata) {

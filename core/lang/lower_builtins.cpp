@@ -63,7 +63,8 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
   if (name == "transform") return lowerTransform(expression, called);
   if (name == "transformu") return lowerTransformUnits(expression, called);
   if (name == "getmatrix") return lowerGetMatrix(called);
-  if (name == "printf" || name == "warning" || name == "error") return lowerMessage(expression, called);
+  if (name == "printf" || name == "warning" || name == "error" || name == "fprintf")
+    return lowerMessage(expression, called);
   if (name == "arraylength") {
     const Value array = lower(*called.arguments[0]);
     return {result, {constantInt(array.type.arrayLength)}};
@@ -77,6 +78,9 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
   }
   if (findTextureFunction(name)) return lowerTexture(expression, called);
   if (name == "pointcloud_search" || name == "pointcloud_get") return lowerPointQuery(expression, called);
+  if (name == "getattribute") return lowerGetAttribute(expression, called);
+  if (name == "isconnected") return lowerIsConnected(called);
+  if (name == "isconstant") return lowerIsConstant(expression, called);
   if (name == "concat") return lowerConcat(expression, called);
   return lowerFormat(expression, called);
 }

@@ -3,12 +3,13 @@
 
 #include "core/lang/lowerer.h"
 #include "core/lang/pure_functions.h"
+#include "core/lang/regex.h"
 
 namespace aerosol::lang {
 
 VariableId Lowerer::callHost(const std::string& function, const Type& result, std::vector<VariableId> arguments,
                              HostUse use) {
-  if (use.outputs == 0 && use.traits == 0 && use.pure) {
+  if (use.outputs == 0 && use.traits == 0 && use.pure && use.folds) {
     if (const auto known = foldHostCall(function, result, arguments)) return constant(*known);
   }
   if (!countWork(position_)) return constant(zeroConstant(result));
@@ -62,6 +63,11 @@ Value Lowerer::lowerHostCall(const Expression& expression, const Call& called) {
     }
     ids.push_back(value.single());
   }
+  if (std::string_view(overload.row->name).starts_with("regex_")) {
+    const auto known = constantOf(ids.back());
+    if (known && !Regex::compile(known->asString()))
+      error(arguments.back()->position, "malformed or too long regular expression");
+  }
   position_ = expression.position;
   const BuiltinRow& row = *overload.row;
   const VariableId result =
@@ -69,6 +75,50 @@ Value Lowerer::lowerHostCall(const Expression& expression, const Call& called) {
   for (const auto& [target, variable] : copiesBack) store(target, {target.type, {variable}});
   if (overload.result == types::none) return {types::none, {}};
   return {overload.result, {result}};
+}
+
+/// The shader's own name is known here: in a group each layer has its own.
+Value Lowerer::lowerGetAttribute(const Expression& expression, const Call& called) {
+  const auto& arguments = called.arguments;
+  if (arguments.size() == 2 && arguments[1]->type == types::string) {
+    const auto* name = std::get_if<StringLiteral>(&arguments[0]->node);
+    if (name && name->value == "shader:shadername") {
+      store(place(*arguments[1]), {types::string, {constantString(program_.name)}});
+      return {types::integer, {constantInt(1)}};
+    }
+  }
+  return lowerHostCall(expression, called);
+}
+
+/// A call that stays until the shader's group is known: who joins layers replaces it by what is true there.
+Value Lowerer::lowerIsConnected(const Call& called) {
+  const Value value = lower(*called.arguments[0]);
+  const Variable& variable = program_.variables[value.leaves.at(0)];
+  if (variable.storage != Storage::parameter) return {types::integer, {constantInt(0)}};
+  const VariableId name = constantString(program_.parameters[variable.parameter].name);
+  return {types::integer, {callHost("isconnected", types::integer, {name}, {.folds = false})}};
+}
+
+/// A call that stays until the parameters are known (see resolveConstancy).
+Value Lowerer::lowerIsConstant(const Expression& expression, const Call& called) {
+  const Value value = lower(*called.arguments[0]);
+  position_ = expression.position;
+  if (isConstantValue(value)) return {types::integer, {constantInt(1)}};
+  return {types::integer, {callHost("isconstant", types::integer, {value.single()}, {.folds = false})}};
+}
+
+/// Parameters with `lockgeom = 0` (or `interpolated = 1`) take values that the geometry carries under their names.
+void Lowerer::bindUserData(const Parameter& parameter) {
+  bool isUserData = false;
+  for (const MetadataValue& entry : parameter.metadata) {
+    const auto* ints = std::get_if<std::vector<std::int32_t>>(&entry.value);
+    if (!ints || ints->size() != 1) continue;
+    if (entry.name == "lockgeom") isUserData = (*ints)[0] == 0;
+    if (entry.name == "interpolated") isUserData = (*ints)[0] != 0;
+  }
+  if (!isUserData || parameter.type.base == BaseType::string) return;
+  const HostUse use{.outputs = 1u << 1, .traits = dependsOnPoint};
+  callHost("userdata", types::integer, {constantString(parameter.name), parameter.variable}, use);
 }
 
 }  // namespace aerosol::lang

@@ -65,7 +65,8 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t
       const BaseType kind = baseOf(kindOf(piece.conversion));
       if (typeOf(parts[i]) == types::integer && kind == BaseType::floating)
         parts[i] = emit(Op::toFloat, types::floating, {parts[i]});
-      if (typeOf(parts[i]).closure || typeOf(parts[i]).base != kind) {
+      const BaseType shown = typeOf(parts[i]).closure ? BaseType::string : typeOf(parts[i]).base;
+      if (shown != kind) {
         error(argument.position,
               "the conversion " + piece.text + " does not show a value of type " + toString(argument.type));
         return std::nullopt;
@@ -91,7 +92,7 @@ VariableId Lowerer::formatted(const Call& called, std::size_t first, VariableId 
   } else {
     for (std::size_t i = first + 1; i < called.arguments.size(); ++i) {
       const Value value = protect(lower(*called.arguments[i]), std::span(called.arguments).subspan(i + 1));
-      if (value.leaves.size() != 1 || value.type.closure) {
+      if (value.leaves.size() != 1 || value.type.base == BaseType::structure) {
         error(called.arguments[i]->position, "a format cannot show a value of type " + toString(value.type));
         return constantString("");
       }
@@ -122,20 +123,26 @@ Value Lowerer::lowerConcat(const Expression& expression, const Call& called) {
 }
 
 Value Lowerer::lowerMessage(const Expression& expression, const Call& called) {
-  const VariableId format = protect(lower(*called.arguments[0]), std::span(called.arguments).subspan(1)).single();
-  std::vector<VariableId> arguments = {noVariable};
-  if (const auto known = constantOf(format)) {
-    const auto expanded = expandFormat(called, 0, known->asString(), arguments);
-    if (!expanded) return {types::none, {}};
-    arguments[0] = constantString(*expanded);
-  } else {
-    arguments = {constantString("%s"), formatted(called, 0, format, expression.position)};
-  }
-  position_ = expression.position;
   const std::string_view name = called.builtin->row->name;
   const MessageKind kind = name == "printf"    ? MessageKind::print
                            : name == "warning" ? MessageKind::warning
-                                               : MessageKind::error;
+                           : name == "error"   ? MessageKind::error
+                                               : MessageKind::file;
+  const std::size_t first = kind == MessageKind::file ? 1 : 0;
+  std::vector<VariableId> arguments = {noVariable};
+  for (std::size_t i = 0; i < first; ++i)
+    arguments.push_back(protect(lower(*called.arguments[i]), std::span(called.arguments).subspan(i + 1)).single());
+  const VariableId format =
+      protect(lower(*called.arguments[first]), std::span(called.arguments).subspan(first + 1)).single();
+  if (const auto known = constantOf(format)) {
+    const auto expanded = expandFormat(called, first, known->asString(), arguments);
+    if (!expanded) return {types::none, {}};
+    arguments[0] = constantString(*expanded);
+  } else {
+    arguments[0] = constantString("%s");
+    arguments.push_back(formatted(called, first, format, expression.position));
+  }
+  position_ = expression.position;
   Instruction& instruction = append(Op::message);
   instruction.function = static_cast<std::uint32_t>(kind);
   instruction.arguments = std::move(arguments);

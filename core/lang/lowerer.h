@@ -194,11 +194,16 @@ class Lowerer {
     std::uint32_t outputs = 0;
     std::uint8_t traits = 0;
     bool pure = true;
+    bool folds = true;  ///< At once, when all arguments are constants.
   };
   VariableId callHost(const std::string& function, const Type& result, std::vector<VariableId> arguments, HostUse use);
   std::optional<Constant> foldHostCall(const std::string& function, const Type& result,
                                        std::span<const VariableId> arguments) const;
   Value lowerHostCall(const Expression& expression, const Call& called);
+  Value lowerGetAttribute(const Expression& expression, const Call& called);
+  Value lowerIsConnected(const Call& called);
+  Value lowerIsConstant(const Expression& expression, const Call& called);
+  void bindUserData(const Parameter& parameter);
 
   // lower_textures.cpp
   Value lowerTexture(const Expression& expression, const Call& called);

@@ -146,7 +146,7 @@ class Listing {
     if (instruction.op == Op::call) out_ += " " + program_.functions[instruction.function].symbol;
     if (instruction.op == Op::message) {
       static constexpr std::array<std::string_view, 3> kinds = {" print", " warning", " error"};
-      out_ += kinds[instruction.function];
+      out_ += instruction.function < kinds.size() ? kinds[instruction.function] : " file";
     }
     if (instruction.op == Op::closureMake) out_ += " " + program_.closureSites[instruction.site].closure;
     if (instruction.op == Op::scope || instruction.op == Op::leave) out_ += " " + std::to_string(instruction.scopeId);

@@ -117,7 +117,7 @@ enum class Op : std::uint8_t {
               ///< dear)
   select,     ///< (int condition, a, b) → a or b, both evaluated
   call,       ///< a library function: `function` names the row and overload
-  message,    ///< printf, warning, error, fprintf…: arguments[0] is the constant format string; kind in `function`
+  message,    ///< printf, warning, error, fprintf: arguments[0] is the constant format string; kind in `function`
   // Closures. A closure value is, for every call site of the program, a weight (colour) and the site's parameters.
   // These
   // operations exist within the front end only: it takes closures apart (expandClosures), and a finished program has no
@@ -152,7 +152,12 @@ struct Instruction {
 };
 using Code = std::vector<Instruction>;
 
-enum class MessageKind : std::uint8_t { print, warning, error };
+enum class MessageKind : std::uint8_t {
+  print,
+  warning,
+  error,
+  file = 6,  ///< arguments[1] is the file's name; what the format shows follows.
+};
 
 /// What a function of the host has to do with more than its arguments.
 enum HostTrait : std::uint8_t {

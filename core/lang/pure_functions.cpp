@@ -13,7 +13,7 @@ namespace aerosol::lang {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, PureFunction>, 12> table = {{
+constexpr std::array<std::pair<std::string_view, PureFunction>, 15> table = {{
     {"concat", concatFunction},
     {"strlen", lengthFunction},
     {"startswith", startsWithFunction},
@@ -26,6 +26,10 @@ constexpr std::array<std::pair<std::string_view, PureFunction>, 12> table = {{
     {"split", splitFunction},
     {"format", formatFunction},
     {"addclosuretext", addClosureTextFunction},
+    {"regex_search", regexSearchFunction},
+    {"regex_match", regexMatchFunction},
+    {"isconnected",
+     [](HostCall& call) { call.forEachLane([&](unsigned lane) { call.set(HostCall::result, lane, 0); }); }},
 }};
 
 /// Strings of one call.

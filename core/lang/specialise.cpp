@@ -348,6 +348,9 @@ class Specialiser {
 
 }  // namespace
 
-Program specialise(const Program& program, const ParameterValues& values) { return Specialiser(program, values).run(); }
+Program specialise(const Program& program, const ParameterValues& values) {
+  Program special = Specialiser(program, values).run();
+  return resolveConstancy(special) ? Specialiser(special, {}).run() : special;
+}
 
 }  // namespace aerosol::lang

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/lang/format_text.h"
+#include "core/lang/regex.h"
 
 namespace aerosol::lang {
 
@@ -155,6 +156,39 @@ void formatFunction(HostCall& call) {
     call.set(result, lane, formatText(call.text(0, lane), arguments));
   });
 }
+
+namespace {
+
+/// Positions that no group has are set to the length of the expression, as OSL does.
+void regexFunction(HostCall& call, bool whole) {
+  const std::size_t last = call.argumentCount() - 1;
+  std::optional<Regex> regex;
+  std::optional<std::uint64_t> compiled;
+  call.forEachLane([&](unsigned lane) {
+    const std::string_view expression = call.text(last, lane);
+    if (compiled != call.hash(last, lane)) {
+      compiled = call.hash(last, lane);
+      regex = Regex::compile(expression);
+    }
+    const std::string_view text = call.text(0, lane);
+    const auto match = regex ? regex->search(text, whole) : std::nullopt;
+    call.set(result, lane, std::int32_t{match.has_value()});
+    for (std::size_t i = 0; last == 2 && i < call.componentCount(1); ++i) {
+      auto position = static_cast<std::int32_t>(expression.size());
+      if (match && i / 2 < match->size()) {
+        const auto [begin, end] = (*match)[i / 2];
+        position = i % 2 == 0 ? begin : end;
+        if (begin < 0) position = static_cast<std::int32_t>(text.size());
+      }
+      call.set(1, lane, position, i);
+    }
+  });
+}
+
+}  // namespace
+
+void regexSearchFunction(HostCall& call) { regexFunction(call, false); }
+void regexMatchFunction(HostCall& call) { regexFunction(call, true); }
 
 void addClosureTextFunction(HostCall& call) {
   constexpr std::size_t firstParameter = 3;

@@ -25,6 +25,9 @@ class Camera {
   /// view.
   Ray<World> ray(const CameraSample& sample) const;
 
+  /// Tangent of half the angle of view across the film's width.
+  double tangentX() const { return tangentX_; }
+
   /// Whether `ray` uses `CameraSample::lens`.
   bool hasLens() const { return apertureRadius_ > 0; }
 

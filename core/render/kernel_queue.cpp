@@ -48,7 +48,10 @@ KernelQueues::KernelQueues(const PreparedScene& scene, WorkerStatistics& statist
     : scene_(scene),
       statistics_(statistics),
       host_(scene.namedSpaces, scene.loopBudget, scene.services.get()),
+      facts_(scene),
       batch_(batchSize) {
+  host_.calls().setAttributes(&scene.attributes);
+  host_.calls().setFacts(&facts_);
   const auto& families = scene.shading.families();
   queues_.resize(families.size() * shading::variantCount);
   for (std::size_t i = 0; i < queues_.size(); ++i) {
@@ -203,6 +206,7 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
   // The latest questions are taken: their paths are still in the cache.
   const std::size_t first = batch_.firstOfLast(queue.points);
   running_.assign(queue.questions.begin() + static_cast<std::ptrdiff_t>(first), queue.questions.end());
+  facts_.begin(running_, paths);
   batch_.run(host_, queue.points, first);
   queue.questions.resize(first);
   queue.points.shrink(first);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/render/path_context.h"
+#include "core/render/question_facts.h"
 #include "core/shading/batch.h"
 
 namespace aerosol::render {
@@ -55,6 +56,7 @@ class KernelQueues {
   const PreparedScene& scene_;
   WorkerStatistics& statistics_;
   shading::KernelHost host_;
+  QuestionFacts facts_;
   shading::Batch batch_;
   std::vector<Queue> queues_;  ///< family · variantCount + variant
   std::vector<PendingQuestion> running_;

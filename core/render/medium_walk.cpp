@@ -114,6 +114,7 @@ Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Mediu
   if (path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel)) co_return Color();
   collectSpans(path, ray, boundaryMedium);
   path.setRay(ray);
+  path.setRayTypes(shading::ray::shadow);
   for (std::size_t i = 0; i < path.mediumSpans.size() && !isBlack(transmittance); ++i) {
     transmittance *= co_await mediumTransmittance(path, ray, path.mediumSpans[i]);
   }

@@ -13,7 +13,8 @@ void MessageLog::collect(shading::KernelHost& host, const shading::Batch& batch,
     const PendingQuestion& from = lanes[record.lane];
     const PathContext& path = *paths[from.slot];
     messages_.insert({path.id(), path.questionNumber(from.question), calls[record.lane]++, record.kind,
-                      shading::locationOf(record, interface), shading::describe(record, interface, text)});
+                      shading::locationOf(record, interface), shading::describe(record, interface, text),
+                      record.kind == AEROSOL_MESSAGE_FILE ? shading::fileOf(record, text) : std::string()});
     if (messages_.size() > maximum_) {
       messages_.erase(std::prev(messages_.end()));
       ++dropped_;

@@ -24,6 +24,7 @@ struct Message {
   std::uint32_t kind = AEROSOL_MESSAGE_PRINT;
   SourceLocation location;
   std::string text;
+  std::string file;  ///< Where it goes, of AEROSOL_MESSAGE_FILE.
 };
 
 /// Thread-safe. Keeps the first `maximum` messages in the order above, and the count of the others.

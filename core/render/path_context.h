@@ -12,6 +12,7 @@
 #include "core/render/sample_stream.h"
 #include "core/render/statistics.h"
 #include "core/render/surface_answer.h"
+#include "core/shading/ray_type.h"
 #include "core/shading/shading_point.h"
 #include "core/shading/shading_system.h"
 #include "core/volume/medium.h"
@@ -37,6 +38,7 @@ struct Question {
   Point<World> point;
   shading::InstanceRef surface;
   const shading::ShadingPoint* surfacePoint = nullptr;  ///< Outlives the suspension.
+  std::uint32_t rayTypes = shading::ray::camera;        ///< Of the ray on which the point lies.
 };
 
 /// Which sample of which pixel a path is for.
@@ -72,6 +74,7 @@ class PathContext {
     questions_.clear();
     answered_ = true;
     waiting_ = nullptr;
+    rayTypes_ = shading::ray::camera;
   }
 
   /// The ray on which the following questions about media lie: shaders see its direction as I, and its time.
@@ -79,6 +82,8 @@ class PathContext {
     direction_ = ray.direction;
     time_ = ray.time;
   }
+  /// What kind of ray it is (shading::ray).
+  void setRayTypes(std::uint32_t types) { rayTypes_ = types; }
   Vector<World> direction() const { return direction_; }
   float time() const { return time_; }
 
@@ -88,6 +93,7 @@ class PathContext {
     question.medium = &medium;
     question.quantity = quantity;
     question.point = point;
+    question.rayTypes = rayTypes_;
   }
 
   /// Suspends until the questions are answered. Without a question the path goes on at once.
@@ -126,7 +132,7 @@ class PathContext {
       }
     };
     beginQuestions();
-    questions_.push_back({nullptr, volume::Quantity::coefficients, {}, surface, &point});
+    questions_.push_back({nullptr, volume::Quantity::coefficients, {}, surface, &point, rayTypes_});
     return Awaiter{*this};
   }
 
@@ -174,6 +180,7 @@ class PathContext {
   std::vector<volume::Coefficients> answers_;
   bool answered_ = true;
   float time_ = 0;
+  std::uint32_t rayTypes_ = shading::ray::camera;
   Vector<World> direction_;
   SampleStream random_;
   PathId id_;

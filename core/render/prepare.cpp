@@ -9,6 +9,7 @@
 #include "core/accel/obj.h"
 #include "core/accel/ply.h"
 #include "core/render/medium_preparation.h"
+#include "core/render/scene_attributes.h"
 #include "core/render/scene_services.h"
 #include "core/render/shader_binding.h"
 
@@ -45,6 +46,7 @@ class Preparation {
     decideMedia();
     addLights();
     if (errors_.hasErrors()) return fail();
+    describeObjects();
     description_.sources->annotate(warnings_);
     return std::unique_ptr<const PreparedScene>(std::move(scene_));
   }
@@ -78,6 +80,7 @@ class Preparation {
   }
 
   void bindMaterials() {
+    describeScene(description_, scene_->attributes);
     for (const scene::Shape& shape : description_.shapes) {
       auto bound = bindShader(description_.materials[shape.material], "surface", shape.toWorld, library_,
                               scene_->shading, warnings_);
@@ -276,6 +279,34 @@ class Preparation {
     }
     scene_->lights = LightSet(std::move(lights), 0.5f * sceneExtent());
     scene_->phase = registry_.phase("henyey_greenstein");
+  }
+
+  /// What shaders may ask about the shapes and volumes that they are on.
+  void describeObjects() {
+    for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
+      const scene::Shape& shape = description_.shapes[i];
+      const shading::InstanceRef material = scene_->objects[i].material;
+      float area = 0;
+      if (asksForArea(material)) {
+        if (const auto surface = lightSurface(shape, static_cast<accel::ObjectId>(i)))
+          area = static_cast<float>(surface->area());
+      }
+      const auto attributes = describeObject(shape.origin, shape.attributes, scene_->attributes);
+      scene_->shading.describeObject(material, attributes, area);
+      for (const volume::Medium* medium : {scene_->objects[i].interior, scene_->objects[i].exterior}) {
+        if (medium) scene_->shading.describeObject(scene_->mediumShaders[medium->index], attributes, 0);
+      }
+    }
+    for (std::size_t i = 0; i < description_.volumes.size(); ++i) {
+      const scene::Volume& volume = description_.volumes[i];
+      scene_->shading.describeObject(scene_->mediumShaders[scene_->volumes[i]->index],
+                                     describeObject(volume.origin, volume.attributes, scene_->attributes), 0);
+    }
+  }
+
+  bool asksForArea(shading::InstanceRef material) const {
+    const auto& sites = scene_->shading.family(material).kernel(shading::Variant::surface).interface().hostSites;
+    return std::any_of(sites.begin(), sites.end(), [](const auto& site) { return site.function == "surfacearea"; });
   }
 
   std::unique_ptr<const LightSurface> lightSurface(const scene::Shape& shape, accel::ObjectId object) const {

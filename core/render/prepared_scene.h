@@ -14,6 +14,7 @@
 #include "core/render/light_set.h"
 #include "core/render/message_log.h"
 #include "core/render/sample_stream.h"
+#include "core/shading/attributes.h"
 #include "core/shading/kernel_host.h"
 #include "core/shading/services.h"
 #include "core/shading/shading_system.h"
@@ -44,7 +45,8 @@ struct PreparedScene {
   std::optional<accel::Scene> geometry;
   shading::ShadingSystem shading;
   shading::NamedSpaces namedSpaces;
-  std::unique_ptr<shading::Services> services;      ///< Safe to use from all threads, like everything here.
+  std::unique_ptr<shading::Services> services;  ///< Safe to use from all threads, like everything here.
+  shading::SceneAttributes attributes;
   std::vector<volume::Medium> media;                ///< Addresses are stable.
   std::vector<shading::InstanceRef> mediumShaders;  ///< By medium index.
   std::vector<SourceLocation> mediumLocations;      ///< By medium index.

@@ -7,6 +7,7 @@
 #include "core/grid/grid_file.h"
 #include "core/image/pending_file.h"
 #include "core/image/textures.h"
+#include "core/scene/xml_dictionary.h"
 
 namespace aerosol::render {
 
@@ -15,7 +16,8 @@ namespace {
 /// Opens each file once, whoever asks first; others wait for that file alone.
 class SceneServices final : public shading::Services {
  public:
-  explicit SceneServices(ServiceSettings settings) : settings_(std::move(settings)) {}
+  explicit SceneServices(ServiceSettings settings)
+      : settings_(std::move(settings)), dictionaries_(scene::openDictionaries(settings_.searchPath)) {}
 
   TextureSource* textures(std::string& problem) override {
     std::call_once(texturesOnce_, [&] {
@@ -32,6 +34,8 @@ class SceneServices final : public shading::Services {
     problem = textureProblem_;
     return textures_.get();
   }
+
+  DictionarySource* dictionaries() override { return dictionaries_.get(); }
 
   bool isVoxelFile(std::string_view name) const override { return grid::isGridFile(name); }
 
@@ -130,6 +134,7 @@ class SceneServices final : public shading::Services {
   std::once_flag texturesOnce_;
   std::unique_ptr<TextureSource> textures_;
   std::string textureProblem_;
+  std::unique_ptr<DictionarySource> dictionaries_;
   std::mutex mutex_;
   Files<VoxelFile> voxels_;
   Files<PointCloud> points_;

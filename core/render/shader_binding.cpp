@@ -87,6 +87,30 @@ Diagnostic unknownParameter(const lang::Program& program, const scene::ShaderPar
 
 }  // namespace
 
+lang::Constant constantOf(const scene::Value& value) {
+  const auto type = [&] {
+    switch (scene::typeOf(value)) {
+      case ValueType::boolean:
+      case ValueType::integer:
+        return lang::types::integer;
+      case ValueType::number:
+        return lang::types::floating;
+      case ValueType::string:
+        return lang::types::string;
+      case ValueType::color:
+        return lang::types::color;
+      case ValueType::point:
+        return lang::types::point;
+      case ValueType::vector:
+        return lang::types::vector;
+      case ValueType::transform:
+        return lang::types::matrix;
+    }
+    return lang::types::none;
+  };
+  return {type(), shaderValue(value)};
+}
+
 Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
                                         const Transform<World, Object>& objectToWorld, shading::ShaderLibrary& library,
                                         shading::ShadingSystem& shading, Diagnostics& warnings) {

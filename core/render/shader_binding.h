@@ -3,6 +3,7 @@
 
 #include <string_view>
 
+#include "core/lang/fold.h"
 #include "core/scene/description.h"
 #include "core/shading/shader_library.h"
 #include "core/shading/shading_system.h"
@@ -14,5 +15,8 @@ namespace aerosol::render {
 Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
                                         const Transform<World, Object>& objectToWorld, shading::ShaderLibrary& library,
                                         shading::ShadingSystem& shading, Diagnostics& warnings);
+
+/// A scene's value as one of the shading language.
+lang::Constant constantOf(const scene::Value& value);
 
 }  // namespace aerosol::render

@@ -165,6 +165,13 @@ struct Emitter {
   Origin origin;
 };
 
+/// A named value: a parameter of a plugin's object, checked against its table and present when written or given a
+/// default there; or a value for shaders, written with a name that begins with "user:".
+struct NamedValue {
+  std::string name;
+  Value value;
+};
+
 enum class ShapeType : std::uint8_t { obj, ply, sphere, cube, rectangle, disk };
 
 /// Canonical forms, before `toWorld`: a sphere of `radius` about `center`; a cube from -1 to 1; a rectangle from -1 to
@@ -180,14 +187,9 @@ struct Shape {
   Index material = 0;
   std::optional<Index> interior;  ///< Surface-defined, exclusive medium on the side away from the normal.
   std::optional<Index> exterior;
-  std::optional<Emitter> emitter;  ///< An area light.
+  std::optional<Emitter> emitter;      ///< An area light.
+  std::vector<NamedValue> attributes;  ///< For shaders that ask: "user:…".
   Origin origin;
-};
-
-/// A parameter of a plugin's object, checked against its table and present when written or given a default there.
-struct NamedValue {
-  std::string name;
-  Value value;
 };
 
 /// An additive volume primitive without boundary.
@@ -196,7 +198,8 @@ struct Volume {
   Transform<World, Object> toWorld;
   std::vector<NamedValue> parameters;
   Index medium = 0;
-  MediumSampling sampling;  ///< Goes before the medium's own.
+  MediumSampling sampling;             ///< Goes before the medium's own.
+  std::vector<NamedValue> attributes;  ///< For shaders that ask: "user:…".
   Origin origin;
 
   /// Null when neither written nor given a default.

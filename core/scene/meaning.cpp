@@ -218,6 +218,7 @@ class SceneBuilder {
     reader.apply(type->parameters, volume.parameters);
     reader.apply(volumeFields(), volume);
     reader.apply(samplingFields(), volume.sampling);
+    reader.applyAttributes(volume.attributes);
     reader.finish();
     if (!medium.object) {
       if (children.empty() && element.children.empty()) {

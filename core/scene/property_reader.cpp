@@ -76,6 +76,14 @@ void PropertyReader::apply(const std::vector<ParameterSpec>& specs, std::vector<
   }
 }
 
+void PropertyReader::applyAttributes(std::vector<NamedValue>& attributes) {
+  std::erase_if(open_, [&](const Property* property) {
+    if (!property->name.starts_with("user:")) return false;
+    if (property->value) attributes.push_back({property->name, *property->value});
+    return true;
+  });
+}
+
 std::vector<const Property*> PropertyReader::rest() const { return open_; }
 
 void PropertyReader::finish() {

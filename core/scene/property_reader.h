@@ -28,6 +28,9 @@ class PropertyReader {
   /// Written values, and defaults for the others where there are any.
   void apply(const std::vector<ParameterSpec>& specs, std::vector<NamedValue>& values);
 
+  /// Takes what is written for shaders: names that begin with "user:".
+  void applyAttributes(std::vector<NamedValue>& attributes);
+
   /// What no table took so far.
   std::vector<const Property*> rest() const;
   /// Reports all that no table took.
@@ -74,6 +77,7 @@ const TypeTable<T>* readTyped(const Element& element, const std::vector<TypeTabl
   }
   PropertyReader reader(element, object.origin, reporter);
   reader.apply(table->fields, object);
+  if constexpr (requires { object.attributes; }) reader.applyAttributes(object.attributes);
   reader.finish();
   return table;
 }

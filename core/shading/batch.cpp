@@ -100,7 +100,7 @@ void Batch::run(KernelHost& host, const PointArrays& points, std::size_t first) 
   arguments.instanceData = family_->instanceData.data();
   arguments.outputs = outputPointers_.data();
   arguments.count = static_cast<std::int32_t>(points.size() - first);
-  host.calls().begin(kernel_->interface(), &family_->strings, points.size() - first);
+  host.begin(kernel_->interface(), *family_, points.size() - first);
   (*kernel_)(arguments);
 }
 

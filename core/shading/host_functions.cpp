@@ -6,7 +6,11 @@
 #include <span>
 #include <utility>
 
+#include "core/shading/attribute_functions.h"
+#include "core/shading/attributes.h"
+#include "core/shading/dictionary_functions.h"
 #include "core/shading/point_functions.h"
+#include "core/shading/point_messages.h"
 #include "core/shading/texture_functions.h"
 
 namespace aerosol::shading {
@@ -14,15 +18,27 @@ namespace aerosol::shading {
 namespace {
 
 using Entry = std::pair<std::string_view, HostFunction>;
-constexpr std::array<Entry, 7> table = {{
-    {"texture", texture},
-    {"texture3d", texture3d},
-    {"environment", environment},
-    {"gettextureinfo", getTextureInfo},
-    {"pointcloud_search", pointcloudSearch},
-    {"pointcloud_get", pointcloudGet},
-    {"pointcloud_write", pointcloudWrite},
-}};
+constexpr std::array table = {
+    Entry{"texture", texture},
+    Entry{"texture3d", texture3d},
+    Entry{"environment", environment},
+    Entry{"gettextureinfo", getTextureInfo},
+    Entry{"pointcloud_search", pointcloudSearch},
+    Entry{"pointcloud_get", pointcloudGet},
+    Entry{"pointcloud_write", pointcloudWrite},
+    Entry{"getattribute", getAttributeFunction},
+    Entry{"userdata", userDataFunction},
+    Entry{"raytype", rayTypeFunction},
+    Entry{"backfacing", backfacingFunction},
+    Entry{"surfacearea", surfaceAreaFunction},
+    Entry{"setmessage", setMessageFunction},
+    Entry{"getmessage", getMessageFunction},
+    Entry{"dict_find", dictionaryFindFunction},
+    Entry{"dict_next", dictionaryNextFunction},
+    Entry{"dict_value", dictionaryValueFunction},
+};
+
+const PointFacts nothingKnown;
 
 /// The table of strings as one call sees it: what its points make is charged to them.
 class StringsOfCall final : public lang::Strings {
@@ -68,9 +84,19 @@ void PointCall::report(unsigned lane, std::string_view text) {
     host_.report(raw_.site, point(static_cast<unsigned>(std::countr_zero(left))), text);
 }
 
+HostCalls::HostCalls(HostReport report, Services* services)
+    : report_(std::move(report)),
+      services_(services),
+      facts_(&nothingKnown),
+      messages_(std::make_unique<PointMessages>()) {}
+HostCalls::~HostCalls() = default;
+
+void HostCalls::setFacts(const PointFacts* facts) { facts_ = facts ? facts : &nothingKnown; }
+
 void HostCalls::begin(const jit::KernelInterface& interface, const StringList* stringsOfInstances, std::size_t count) {
   interface_ = &interface;
   functions_.clear();
+  messages_->clear();
   for (const lang::HostSite& site : interface.hostSites)
     functions_.push_back({lang::findPureFunction(site.function), findHostFunction(site.function)});
   strings_.begin(interface, stringsOfInstances, count);

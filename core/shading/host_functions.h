@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,6 +23,9 @@ namespace aerosol::shading {
 using HostReport = std::function<void(std::uint32_t site, std::uint32_t point, std::string_view text)>;
 
 class HostCalls;
+class PointFacts;
+class PointMessages;
+class SceneAttributes;
 
 /// A call as a host function sees it: besides its values, whose points they are and what the host knows of these.
 class PointCall : public lang::HostCall {
@@ -56,8 +60,8 @@ HostFunction findHostFunction(std::string_view name);
 class HostCalls {
  public:
   /// `services` may be null: then there are no files.
-  explicit HostCalls(HostReport report, Services* services = nullptr)
-      : report_(std::move(report)), services_(services) {}
+  explicit HostCalls(HostReport report, Services* services = nullptr);
+  ~HostCalls();
   HostCalls(const HostCalls&) = delete;
   HostCalls& operator=(const HostCalls&) = delete;
 
@@ -67,6 +71,15 @@ class HostCalls {
   void call(const AerosolHostCall& raw) noexcept;
 
   ServicesOfThread& services() { return services_; }
+  /// What shaders may ask for by name; null: nothing. It must stay.
+  void setAttributes(const SceneAttributes* attributes) { attributes_ = attributes; }
+  const SceneAttributes* attributes() const { return attributes_; }
+  /// What is known of the points of the next runs; null: nothing.
+  void setFacts(const PointFacts* facts);
+  const PointFacts& facts() const { return *facts_; }
+  /// Of the points of this run.
+  PointMessages& messages() { return *messages_; }
+
   RuntimeStrings& strings() { return strings_; }
   const RuntimeStrings& strings() const { return strings_; }
   void report(std::uint32_t site, std::uint32_t point, std::string_view text) { report_(site, point, text); }
@@ -80,6 +93,9 @@ class HostCalls {
   HostReport report_;
   ServicesOfThread services_;
   RuntimeStrings strings_;
+  const SceneAttributes* attributes_ = nullptr;
+  const PointFacts* facts_;
+  std::unique_ptr<PointMessages> messages_;
   const jit::KernelInterface* interface_ = nullptr;
   std::vector<Function> functions_;  ///< By host site.
 };

@@ -1,8 +1,10 @@
 #include "core/shading/kernel_host.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/base/hash.h"
+#include "core/shading/shading_system.h"
 
 namespace aerosol::shading {
 
@@ -42,18 +44,40 @@ void KernelHost::record(AerosolKernelContext* context, std::uint32_t kind, std::
   of(context).records_.push_back({kind, site, lane, {arguments, arguments + count}});
 }
 
-std::int32_t KernelHost::spaceToWorld(AerosolKernelContext* context, std::uint64_t name, std::uint32_t, float,
-                                      float* matrix) {
-  const NamedSpaces::Space* space = of(context).spaces_.find(name);
-  if (space) std::copy_n(space->toWorld, 12, matrix);
-  return space != nullptr;
+void KernelHost::begin(const jit::KernelInterface& interface, const Family& family, std::size_t count) {
+  instanceData_ = family.instanceData.empty() ? nullptr : family.instanceData.data();
+  instanceStride_ = interface.instanceStride;
+  calls_.begin(interface, &family.strings, count);
 }
 
-std::int32_t KernelHost::worldToSpace(AerosolKernelContext* context, std::uint64_t name, std::uint32_t, float,
+/// Kernels know the spaces of the language themselves, except by names that are only known when they run.
+const float* KernelHost::spaceMatrix(std::uint64_t name, std::uint32_t instance, bool toWorld) const {
+  static constexpr std::array<float, 12> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  static const std::uint64_t common = hashString("common"), world = hashString("world");
+  static const std::uint64_t object = hashString("object"), shader = hashString("shader");
+  if (name == common || name == world) return identity.data();
+  if ((name == object || name == shader) && instanceData_) {
+    const auto* header =
+        reinterpret_cast<const AerosolInstanceHeader*>(instanceData_ + instanceStride_ * std::size_t{instance});
+    if (name == object) return toWorld ? header->objectToWorld : header->worldToObject;
+    return toWorld ? header->shaderToWorld : header->worldToShader;
+  }
+  const NamedSpaces::Space* space = spaces_.find(name);
+  return !space ? nullptr : toWorld ? space->toWorld : space->fromWorld;
+}
+
+std::int32_t KernelHost::spaceToWorld(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance, float,
                                       float* matrix) {
-  const NamedSpaces::Space* space = of(context).spaces_.find(name);
-  if (space) std::copy_n(space->fromWorld, 12, matrix);
-  return space != nullptr;
+  const float* rows = of(context).spaceMatrix(name, instance, true);
+  if (rows) std::copy_n(rows, 12, matrix);
+  return rows != nullptr;
+}
+
+std::int32_t KernelHost::worldToSpace(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance, float,
+                                      float* matrix) {
+  const float* rows = of(context).spaceMatrix(name, instance, false);
+  if (rows) std::copy_n(rows, 12, matrix);
+  return rows != nullptr;
 }
 
 }  // namespace aerosol::shading

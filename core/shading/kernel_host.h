@@ -29,6 +29,8 @@ class NamedSpaces {
   std::map<std::uint64_t, Space> spaces_;
 };
 
+struct Family;
+
 /// One record that a kernel left.
 struct Record {
   std::uint32_t kind = 0;
@@ -51,6 +53,8 @@ class KernelHost {
   /// The records since the last call, in call order. The caller empties them.
   std::vector<Record>& records() { return records_; }
 
+  /// A kernel is about to run on points 0 to count - 1 of instances of the family.
+  void begin(const jit::KernelInterface& interface, const Family& family, std::size_t count);
   /// Answers the kernel's calls of host functions.
   HostCalls& calls() { return calls_; }
 
@@ -70,8 +74,13 @@ class KernelHost {
   static void call(AerosolKernelContext* context, const AerosolHostCall* call);
 
   static const AerosolHostServices services_;
+  /// 12 floats of a named space for an instance; null when the name is unknown.
+  const float* spaceMatrix(std::uint64_t name, std::uint32_t instance, bool toWorld) const;
+
   Context context_;
   const NamedSpaces& spaces_;
+  const unsigned char* instanceData_ = nullptr;
+  std::size_t instanceStride_ = 0;
   std::vector<Record> records_;
   HostCalls calls_;
 };

@@ -34,6 +34,9 @@ std::string describe(const Record& record, const jit::KernelInterface& interface
   }
   const jit::MessageSite& site = interface.sites[record.site];
   switch (site.kind) {
+    case AEROSOL_MESSAGE_FILE:
+      return formatMessage(site.format, {site.arguments.begin() + 1, site.arguments.end()},
+                           {record.values.begin() + 1, record.values.end()}, text);
     case AEROSOL_REPORT_INDEX: {
       const int index = record.values.empty() ? 0 : record.values[0].i;
       const int length = record.values.size() < 2 ? 0 : record.values[1].i;
@@ -45,6 +48,8 @@ std::string describe(const Record& record, const jit::KernelInterface& interface
       return formatMessage(site.format, site.arguments, record.values, text);
   }
 }
+
+std::string fileOf(const Record& record, const StringLookup& text) { return std::string(text(record.values.at(0).s)); }
 
 const SourceLocation& locationOf(const Record& record, const jit::KernelInterface& interface) {
   return record.kind == AEROSOL_REPORT_HOST ? interface.hostSites[record.site].location

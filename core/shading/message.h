@@ -19,6 +19,9 @@ std::string formatMessage(const std::string& format, const std::vector<lang::Typ
 /// The whole text of a record: a message's own, or the sentence for a report.
 std::string describe(const Record& record, const jit::KernelInterface& interface, const StringLookup& text);
 
+/// The file that a record of kind AEROSOL_MESSAGE_FILE is for.
+std::string fileOf(const Record& record, const StringLookup& text);
+
 /// Where in the source it was left.
 const SourceLocation& locationOf(const Record& record, const jit::KernelInterface& interface);
 

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/dictionary_source.h"
 #include "core/base/point_cloud.h"
 #include "core/base/result.h"
 #include "core/base/texture_source.h"
@@ -32,6 +33,8 @@ class Services {
   virtual bool writePoint(std::string_view name, std::vector<PointAttribute> point, std::string& problem) = 0;
   /// Saves the clouds that were written.
   virtual Diagnostics finish() = 0;
+  /// Null when there are none.
+  virtual DictionarySource* dictionaries() = 0;
 };
 
 /// The services as one thread uses them. Without services every question has the answer that there are none.
@@ -48,6 +51,7 @@ class ServicesOfThread {
     return find(points_, &Services::points, name, problem);
   }
   bool writePoint(std::string_view name, std::vector<PointAttribute> point, std::string& problem);
+  DictionarySource* dictionaries() { return services_ ? services_->dictionaries() : nullptr; }
 
  private:
   struct Hash {

@@ -37,6 +37,13 @@ InstanceRef ShadingSystem::add(std::shared_ptr<const lang::Program> program, Ins
   return {f, static_cast<std::uint32_t>(families_[f].instances.size() - 1)};
 }
 
+void ShadingSystem::describeObject(InstanceRef instance, std::shared_ptr<const AttributeTable> attributes,
+                                   float surfaceArea) {
+  Instance& described = families_[instance.family].instances[instance.index];
+  described.attributes = std::move(attributes);
+  described.surfaceArea = surfaceArea;
+}
+
 namespace {
 
 /// Parameters with one value in all instances. Bits decide, so that -0 and 0 stay apart.

@@ -35,11 +35,15 @@ struct ParameterValue {
 /// Finds a parameter by name; nothing when the program has none. Output parameters are not settable.
 std::optional<std::uint32_t> findParameter(const lang::Program& program, const std::string& name);
 
+class AttributeTable;
+
 struct Instance {
   std::vector<ParameterValue> values;
   Transform<World, Object> objectToWorld;
   /// The space that shaders call "shader"; none: where the object is.
   std::optional<Transform<World, Object>> shaderToWorld;
+  std::shared_ptr<const AttributeTable> attributes;  ///< Of the object that it belongs to; may be null.
+  float surfaceArea = 0;                             ///< Of that object, in square scene units.
 };
 
 /// An instance's place: its family, and its index there.
@@ -79,6 +83,9 @@ class ShadingSystem {
 
   const std::vector<Family>& families() const { return families_; }
   const Family& family(InstanceRef instance) const { return families_[instance.family]; }
+  const Instance& instance(InstanceRef instance) const { return family(instance).instances[instance.index]; }
+  /// What shaders may ask about the object of an instance.
+  void describeObject(InstanceRef instance, std::shared_ptr<const AttributeTable> attributes, float surfaceArea);
 
  private:
   std::vector<Family> families_;

@@ -34,7 +34,15 @@ struct PathState {
   DirectionRecord direction;               ///< How the ray's direction was found.
   const Medium* boundaryMedium = nullptr;  ///< Surface-defined medium around the ray.
   int length = 1;                          ///< Segments so far, this ray's included.
+  std::uint32_t rayTypes = shading::ray::camera;
 };
+
+/// What a ray is that leaves a surface, as shaders call it.
+std::uint32_t rayTypeAfter(const ClosureSample& sample, bool crosses, std::uint32_t before) {
+  if (sample.isPassing) return before;
+  if (!sample.isDelta) return shading::ray::diffuse;
+  return crosses ? shading::ray::refraction : shading::ray::reflection;
+}
 
 void continueFrom(PathState& state, Point<World> origin, Vector<World> direction, Color weight) {
   state.throughput *= weight;
@@ -55,6 +63,7 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time, state.boundaryMedium);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
   state.direction = {vertex.position(), next.pdf, next.isDelta};
+  state.rayTypes = shading::ray::diffuse;
   continueFrom(state, vertex.position(), next.direction, Color(next.weight));
   co_return true;
 }
@@ -85,7 +94,9 @@ Task<bool> scatterOnSurface(PathContext& path, PathState& state, Radiance& radia
   uniforms.choice = path.random().next1D();
   const std::optional<ClosureSample> next = closures.mix().sample(uniforms);
   if (!next) co_return false;
-  if (dot(next->direction, hit.geometricNormal) * dot(state.ray.direction, hit.geometricNormal) > 0) {
+  const bool crosses = dot(next->direction, hit.geometricNormal) * dot(state.ray.direction, hit.geometricNormal) > 0;
+  state.rayTypes = rayTypeAfter(*next, crosses, state.rayTypes);
+  if (crosses) {
     state.boundaryMedium = hit.entering ? object.interior : object.exterior;
   }
   state.direction = {hit.point, next->pdf, next->isDelta};
@@ -116,6 +127,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     const float begin = passed ? static_cast<float>(passed->t) : state.ray.tMin;
     findSegments(path, begin, hit ? static_cast<float>(hit->t) : state.ray.tMax, state.boundaryMedium);
     path.setRay(state.ray);
+    path.setRayTypes(state.rayTypes);
     const volume::DistanceSample event = co_await sampleDistance(path, state.ray, state.throughput);
     radiance.color += state.throughput * event.emission;
     state.throughput *= event.weight;

@@ -5,6 +5,9 @@
 //   // space name = 16 numbers          a named space: its matrix to "common", row vectors
 //   // expect name = 1 2 3 +- 1e-6      value of an output at the point above; without +-: equal, NaN to "nan"
 //   // message print: text              the messages at the point above are these, in order (none: there are none)
+//   // attribute object name = type: 1 2 3   what getattribute finds; objects: "global", "own" (the point's), any other
+//   // userdata name = type: 1 2 3   what the geometry carries at the point above
+//   // raytypes = 5                  bits of the ray's kinds, at the point above; also: backfacing, surfacearea
 //   // runtime only                     calls functions whose values come from the run-time library alone (noise)
 #pragma once
 
@@ -28,8 +31,16 @@ struct LanguageExpectation {
   int line = 0;
 };
 
+/// A value with its type.
+struct LanguageValue {
+  lang::Type type;
+  lang::ConstantValue value;
+};
+
 struct LanguagePoint {
   std::map<std::string, std::vector<float>> globals;
+  std::map<std::string, LanguageValue> userData;
+  float rayTypes = 0, backfacing = 0, surfaceArea = 0;
   std::vector<LanguageExpectation> expectations;
   std::vector<std::string> messages;
 };
@@ -37,6 +48,7 @@ struct LanguagePoint {
 struct LanguageCase {
   std::map<std::string, lang::ConstantValue> parameters;  ///< Numbers are floats here.
   std::map<std::string, std::array<float, 16>> spaces;
+  std::map<std::string, std::map<std::string, LanguageValue>> attributes;  ///< By object, then by name.
   std::vector<LanguagePoint> points;
   bool runtimeOnly = false;
   std::string error;  ///< What is wrong with the file's own comments.
@@ -59,6 +71,23 @@ inline lang::ConstantValue readLanguageValue(const std::string& text) {
   }
   if (!strings.empty()) return strings;
   return numbers;
+}
+
+/// `type: values`; an array's length is that of the values.
+inline LanguageValue readTypedValue(const std::string& text) {
+  static const std::map<std::string, lang::Type> types = {
+      {"int", lang::types::integer},   {"float", lang::types::floating}, {"string", lang::types::string},
+      {"color", lang::types::color},   {"point", lang::types::point},    {"vector", lang::types::vector},
+      {"normal", lang::types::normal}, {"matrix", lang::types::matrix}};
+  const std::size_t colon = text.find(": ");
+  std::string name = text.substr(0, colon);
+  const std::size_t bracket = name.find('[');
+  LanguageValue result{types.at(name.substr(0, bracket)), readLanguageValue(text.substr(colon + 2))};
+  if (bracket != std::string::npos) result.type = result.type.arrayOf(std::stoi(name.substr(bracket + 1)));
+  if (const auto* floats = std::get_if<std::vector<float>>(&result.value);
+      floats && result.type.base == lang::BaseType::integer)
+    result.value = std::vector<std::int32_t>(floats->begin(), floats->end());
+  return result;
 }
 
 inline LanguageCase readLanguageCase(const std::filesystem::path& path) {
@@ -89,6 +118,14 @@ inline LanguageCase readLanguageCase(const std::filesystem::path& path) {
         result.points.back().globals[part.substr(0, at)] =
             std::get<std::vector<float>>(readLanguageValue(part.substr(at + 3)));
       }
+    }
+    if (word == "raytypes") result.points.back().rayTypes = std::stof(rest.substr(2));
+    if (word == "backfacing") result.points.back().backfacing = std::stof(rest.substr(2));
+    if (word == "surfacearea") result.points.back().surfaceArea = std::stof(rest.substr(2));
+    if (word == "userdata") result.points.back().userData[key()] = readTypedValue(value());
+    if (word == "attribute") {
+      const std::size_t space = rest.find(' ');
+      result.attributes[rest.substr(0, space)][rest.substr(space + 1, equals - space - 1)] = readTypedValue(value());
     }
     if (word != "with" && word != "space" && word != "expect") continue;
     if (equals == std::string::npos) {

@@ -11,6 +11,7 @@
 #include "core/base/hash.h"
 #include "core/lang/compile.h"
 #include "core/render/scene_services.h"
+#include "core/shading/attributes.h"
 #include "core/shading/host_functions.h"
 #include "tests/language/language_case.h"
 #include "tests/unit/jit/kernel_runner.h"
@@ -99,6 +100,43 @@ std::string nameOf(const lang::Program& program, const OutputComponent& output) 
   return {};
 }
 
+/// What the test's comments say of its points, which stand anywhere in a batch.
+class Facts final : public shading::PointFacts {
+ public:
+  struct Place {
+    const LanguagePoint* point = nullptr;  ///< Null: one at random.
+    std::uint32_t number = 0;              ///< The same wherever it stands.
+  };
+  std::vector<Place> places;
+  const shading::AttributeTable* own = nullptr;
+
+  std::uint32_t rayTypes(std::uint32_t i) const override {
+    if (i >= places.size()) return i;
+    return places[i].point ? static_cast<std::uint32_t>(places[i].point->rayTypes) : places[i].number;
+  }
+  bool isBackfacing(std::uint32_t i) const override { return at(i).backfacing != 0; }
+  float surfaceArea(std::uint32_t i) const override { return at(i).surfaceArea; }
+  const shading::AttributeTable* attributes(std::uint32_t i) const override {
+    return i < places.size() && places[i].point ? own : nullptr;
+  }
+  std::optional<lang::Type> userData(std::uint32_t i, std::uint64_t name,
+                                     std::span<float, maximumUserData> values) const override {
+    for (const auto& [known, data] : at(i).userData) {
+      if (hashString(known) != name) continue;
+      const auto& floats = std::get<std::vector<float>>(data.value);
+      std::copy(floats.begin(), floats.end(), values.begin());
+      return data.type;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  const LanguagePoint& at(std::uint32_t i) const {
+    static const LanguagePoint none;
+    return i < places.size() && places[i].point ? *places[i].point : none;
+  }
+};
+
 /// Host functions as a renderer answers them.
 class Answers final : public HostAnswers {
  public:
@@ -119,7 +157,18 @@ class Answers final : public HostAnswers {
     return hash != 0 && text.empty() ? "unknown string" : std::string(text);
   }
 
+  void setAttributes(const LanguageCase& test) {
+    for (const auto& [object, values] : test.attributes) {
+      shading::AttributeTable& table = object == "global" ? attributes_.global : attributes_.object(object);
+      for (const auto& [name, value] : values) table.set(name, {value.type, value.value});
+    }
+    facts.own = attributes_.find(hashString("own"));
+    calls_.setAttributes(&attributes_);
+    calls_.setFacts(&facts);
+  }
+
   shading::StringList ofInstance;
+  Facts facts;
 
  private:
   static shading::Services* services() {
@@ -127,6 +176,7 @@ class Answers final : public HostAnswers {
     return made.get();
   }
 
+  shading::SceneAttributes attributes_;
   Report report_;
   shading::HostCalls calls_;
 };
@@ -157,7 +207,7 @@ std::string messageOf(const KernelInterface& interface, const Answers& answers, 
   if (record.kind == AEROSOL_REPORT_BUDGET) return "budget";
   if (record.kind == AEROSOL_REPORT_HOST) return "host: " + answers.text(record.values.at(0));
   if (record.kind == AEROSOL_REPORT_INDEX) return "index: " + std::to_string(asInt(0)) + " " + std::to_string(asInt(1));
-  static constexpr std::array<const char*, 3> kinds = {"print: ", "warning: ", "error: "};
+  static constexpr std::array<const char*, 7> kinds = {"print: ", "warning: ", "error: ", "", "", "", "file "};
   std::string text = kinds.at(record.kind);
   const auto site = std::find_if(interface.sites.begin(), interface.sites.end(), [&](const MessageSite& known) {
     return known.kind == record.kind && known.location.line == record.line;
@@ -165,6 +215,7 @@ std::string messageOf(const KernelInterface& interface, const Answers& answers, 
   if (site == interface.sites.end()) return text + "unknown site";
   const std::string& format = site->format;
   std::size_t next = 0;
+  if (record.kind == AEROSOL_MESSAGE_FILE) text += answers.text(record.values.at(next++)) + ": ";
   for (std::size_t k = 0; k < format.size(); ++k) {
     if (format[k] != '%') {
       text += format[k];
@@ -229,6 +280,7 @@ class Language : public ::testing::TestWithParam<std::filesystem::path> {
       values_.push_back(given == test_.parameters.end() ? lang::ConstantValue{}
                                                         : converted(given->second, parameter.type));
     }
+    answers_.setAttributes(test_);
     // Every point several times, in different lanes, between points at random.
     batch_ = Batch::random(batchSize, hashString(GetParam().filename().string()));
     std::mt19937 random(7);
@@ -281,6 +333,17 @@ class Language : public ::testing::TestWithParam<std::filesystem::path> {
     return test::run(kernel, batch, {}, &answers_);
   }
 
+  /// The batch stands for these places of the whole one; none: all.
+  void placeFacts(const std::vector<std::size_t>& places = {}) {
+    answers_.facts.places.clear();
+    for (std::size_t i = 0; i < (places.empty() ? batchSize : places.size()); ++i) {
+      const std::size_t number = places.empty() ? i : places[i];
+      const std::size_t which = places_[number];
+      answers_.facts.places.push_back(
+          {which < test_.points.size() ? &test_.points[which] : nullptr, static_cast<std::uint32_t>(number)});
+    }
+  }
+
   LanguageCase test_;
   std::shared_ptr<const lang::Program> program_;
   Values values_;
@@ -295,6 +358,7 @@ TEST_P(Language, GivesWhatItsCommentsSayAtEveryWidth) {
     for (const bool folded : {false, true}) {
       SCOPED_TRACE("width " + std::to_string(width) + (folded ? ", folded" : ""));
       const Kernel code = kernel(width, folded);
+      placeFacts();
       const Outcome outcome = run(code, batchFor(code));
       for (std::size_t at = 0; at < batchSize; ++at) {
         if (places_[at] >= test_.points.size()) continue;
@@ -319,12 +383,14 @@ TEST_P(Language, GivesEveryPointTheSameBitsInAnyCompany) {
   for (const int width : {16, 4}) {
     const Kernel code = kernel(width, false);
     const Batch batch = batchFor(code);
+    placeFacts();
     const Outcome whole = run(code, batch);
     std::vector<std::size_t> order(batchSize);
     for (std::size_t i = 0; i < batchSize; ++i) order[i] = i;
     std::shuffle(order.begin(), order.end(), random);
     Batch shuffled = batch.pick(order);
     for (std::size_t i = 0; i < batchSize; ++i) shuffled.active.push_back(random() % 3 == 0 ? 0u : ~0u);
+    placeFacts(order);
     const Outcome mixed = run(code, shuffled);
     for (std::size_t i = 0; i < batchSize; ++i) {
       for (std::size_t output = 0; output < whole.outputs.size(); ++output) {
@@ -336,6 +402,7 @@ TEST_P(Language, GivesEveryPointTheSameBitsInAnyCompany) {
       EXPECT_EQ(mixed.recordsOf(i), shuffled.active[i] != 0 ? whole.recordsOf(order[i]) : std::vector<Record>{});
     }
     for (std::size_t i = 0; i < 6; ++i) {
+      placeFacts({order[i]});
       const Outcome alone = run(code, batch.pick({order[i]}));
       for (std::size_t output = 0; output < whole.outputs.size(); ++output)
         EXPECT_EQ(alone.outputs[output][0], whole.outputs[output][order[i]]) << "width " << width;

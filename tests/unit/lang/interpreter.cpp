@@ -393,10 +393,12 @@ class Interpreter {
   }
 
   void message(const Instruction& i) {
-    static const char* const kinds[] = {"print: ", "warning: ", "error: "};
+    static const char* const kinds[] = {"print: ", "warning: ", "error: ", "", "", "", "file "};
     const std::string& format = values_[i.arguments[0]].asString();
     std::string text;
     std::size_t next = 1;
+    if (i.function == static_cast<std::uint32_t>(MessageKind::file))
+      text = values_[i.arguments[next++]].asString() + ": ";
     for (std::size_t k = 0; k < format.size(); ++k) {
       if (format[k] != '%') {
         text += format[k];

@@ -1,0 +1,17 @@
+// Host functions that tell a shader about the scene and the point: getattribute, user data, raytype …
+#pragma once
+
+#include "core/shading/host_functions.h"
+
+namespace aerosol::shading {
+
+/// int ([string object,] string name, [int index,] output any): 1 when there is such an attribute whose value can
+/// become the last argument's type, which then receives it.
+void getAttributeFunction(PointCall& call);
+/// int (string name, output any): as above, of the values that the geometry carries alone.
+void userDataFunction(PointCall& call);
+void rayTypeFunction(PointCall& call);      ///< int (string)
+void backfacingFunction(PointCall& call);   ///< int ()
+void surfaceAreaFunction(PointCall& call);  ///< float ()
+
+}  // namespace aerosol::shading

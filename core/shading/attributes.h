@@ -1,0 +1,62 @@
+// Named values that shaders may ask for: of the whole scene, of its objects, and of single points.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/lang/fold.h"
+
+namespace aerosol::shading {
+
+/// Values by name.
+class AttributeTable {
+ public:
+  void set(std::string_view name, lang::Constant value);
+  /// Null when there is none of that name.
+  const lang::Constant* find(std::uint64_t nameHash) const;
+  bool empty() const { return values_.empty(); }
+
+ private:
+  std::map<std::uint64_t, lang::Constant> values_;
+};
+
+/// Attributes of the scene ("global") and of everything in it that has a name. Const after preparation.
+class SceneAttributes {
+ public:
+  AttributeTable global;
+
+  /// The table of an object or camera, made when there is none yet.
+  AttributeTable& object(std::string_view name);
+  /// Null when there is no object of that name.
+  const AttributeTable* find(std::uint64_t nameHash) const;
+
+ private:
+  std::map<std::uint64_t, AttributeTable> objects_;
+};
+
+/// What is known of the points of the batch that runs, by their index in it. The functions here say: nothing.
+class PointFacts {
+ public:
+  /// Floats that user data holds at most.
+  static constexpr std::size_t maximumUserData = 16;
+
+  virtual ~PointFacts() = default;
+  /// Bits of the ray that asks (ray_type.h).
+  virtual std::uint32_t rayTypes(std::uint32_t point) const;
+  /// Is the surface seen from the side that its normal points away from?
+  virtual bool isBackfacing(std::uint32_t point) const;
+  /// Area of the object, in square scene units.
+  virtual float surfaceArea(std::uint32_t point) const;
+  /// Of the object that the point lies on or in; null when it has none.
+  virtual const AttributeTable* attributes(std::uint32_t point) const;
+  /// A value of the geometry that is interpolated to the point: floats, triples, matrices or arrays of them. Gives its
+  /// type and writes its components; nothing when there is none of that name.
+  virtual std::optional<lang::Type> userData(std::uint32_t point, std::uint64_t nameHash,
+                                             std::span<float, maximumUserData> values) const;
+};
+
+}  // namespace aerosol::shading
