@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "core/lang/lowerer.h"
+#include "core/lang/units.h"
 
 namespace aerosol::lang {
 
@@ -18,28 +19,6 @@ bool isSure(const std::optional<Constant>& name) {
 }
 
 std::string canonical(const std::string& name) { return name == "world" ? "common" : name; }
-
-struct Unit {
-  std::string_view name;
-  double size;  ///< In metres or seconds.
-  bool isTime;
-};
-constexpr std::array<Unit, 8> units = {{
-    {"mm", 0.001, false},
-    {"cm", 0.01, false},
-    {"m", 1, false},
-    {"km", 1000, false},
-    {"in", 0.0254, false},
-    {"ft", 0.3048, false},
-    {"mi", 1609.344, false},
-    {"s", 1, true},
-}};
-
-const Unit* findUnit(std::string_view name) {
-  for (const Unit& unit : units)
-    if (unit.name == name) return &unit;
-  return nullptr;
-}
 
 }  // namespace
 
@@ -91,10 +70,7 @@ Value Lowerer::lowerTransformUnits(const Expression& expression, const Call& cal
   std::array<std::string, 2> names = {"common", "common"};
   for (std::size_t i = 0; i + 1 < arguments.size(); ++i) {
     const auto name = constantOf(arguments[i].single());
-    if (!name) {
-      error(called.arguments[i]->position, "the units of transformu must be constant strings");
-      return zeroValue(types::floating);
-    }
+    if (!name) return lowerRunTimeUnits(arguments, expression.position);
     names[arguments.size() == 2 ? 1 : i] = name->asString();
   }
   position_ = expression.position;
@@ -129,6 +105,24 @@ Value Lowerer::lowerTransformUnits(const Expression& expression, const Call& cal
   const double factor = (from ? from->size : 1.0) / (to ? to->size : 1.0);
   if (factor != 1.0) value = emit(Op::multiply, types::floating, {value, constantFloat(static_cast<float>(factor))});
   if (!to) value = scaled(value, names[1], false);
+  return {types::floating, {value}};
+}
+
+/// Names that are known when the shader runs: each is looked for among units and among spaces, and what it is not
+/// leaves the length as it is. (Here the two kinds of units are not told apart.)
+Value Lowerer::lowerRunTimeUnits(const std::vector<Value>& arguments, Position position) {
+  position_ = position;
+  const VariableId common = constantString("common");
+  const VariableId from = arguments.size() == 3 ? arguments[0].single() : common;
+  const VariableId to = arguments[arguments.size() - 2].single();
+  const Value axis{types::vector, {constant({types::vector, std::vector<float>{1, 0, 0}})}};
+  const auto lengthOfAxis = [&](VariableId source, VariableId target) {
+    return call("length", types::floating, {betweenSpaces(source, target, axis).single()});
+  };
+  VariableId value = arguments.back().single();
+  for (const VariableId factor :
+       {lengthOfAxis(from, common), callHost("unitratio", types::floating, {from, to}, {}), lengthOfAxis(common, to)})
+    value = emit(Op::multiply, types::floating, {value, factor});
   return {types::floating, {value}};
 }
 

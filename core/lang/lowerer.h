@@ -174,6 +174,7 @@ class Lowerer {
   // lower_spaces.cpp
   Value lowerTransform(const Expression& expression, const Call& call);
   Value lowerTransformUnits(const Expression& expression, const Call& call);
+  Value lowerRunTimeUnits(const std::vector<Value>& arguments, Position position);
   Value lowerGetMatrix(const Call& call);
   Value transformBy(VariableId matrix, const Value& value);
   VariableId spaceMatrix(VariableId from, VariableId to);

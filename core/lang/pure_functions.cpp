@@ -8,12 +8,13 @@
 
 #include "core/base/hash.h"
 #include "core/lang/string_functions.h"
+#include "core/lang/units.h"
 
 namespace aerosol::lang {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, PureFunction>, 15> table = {{
+constexpr std::array<std::pair<std::string_view, PureFunction>, 16> table = {{
     {"concat", concatFunction},
     {"strlen", lengthFunction},
     {"startswith", startsWithFunction},
@@ -26,6 +27,13 @@ constexpr std::array<std::pair<std::string_view, PureFunction>, 15> table = {{
     {"split", splitFunction},
     {"format", formatFunction},
     {"addclosuretext", addClosureTextFunction},
+    {"unitratio",
+     [](HostCall& call) {
+       call.forEachLane([&](unsigned lane) {
+         const double ratio = unitRatio(call.text(0, lane), call.text(1, lane));
+         call.set(HostCall::result, lane, static_cast<float>(ratio));
+       });
+     }},
     {"regex_search", regexSearchFunction},
     {"regex_match", regexMatchFunction},
     {"isconnected",
