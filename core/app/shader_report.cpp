@@ -128,8 +128,9 @@ Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::Tra
   Diagnostics warnings;
   if (trackers.boundViolations > 0) {
     const volume::Medium& medium = scene.media[trackers.worstMedium];
-    const double bound = static_cast<double>(volume::workingBound(medium));
-    const double largest = bound * static_cast<double>(trackers.worstViolation);
+    const auto largest = static_cast<double>(trackers.worstExtinction);
+    const auto excess = static_cast<double>(trackers.worstViolation);
+    const double bound = largest / excess;
     warnings.warning(
         scene.mediumLocations[medium.index],
         fmt::format("the extinction of '{}' was above its bound of {:.6g} at {}; the image is right but noisier",
@@ -137,6 +138,14 @@ Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::Tra
         {fmt::format(
             "the largest value met was {:.6g}; declare <float name=\"density_bound\" value=\"{:.6g}\"/>, or more",
             largest, roundUp(largest))});
+    // The second moment of ratio tracking under a bound μ̄ is exp(μ̄ ((σ/μ̄ - 1)² - 1)) per unit of length.
+    if (excess > 2) {
+      const double deviation = std::exp(0.5 * 10 * (std::pow(excess - 1, 2) - 1) / excess);
+      warnings.entries().back().notes.push_back(fmt::format(
+          "an excess of {:.3g} makes single values large: up to {:.2g} is the standard deviation of transmittance "
+          "across an optical depth of 10",
+          excess, deviation));
+    }
   }
   if (trackers.stepLimits > 0) {
     warnings.warning({},

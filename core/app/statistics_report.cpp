@@ -60,6 +60,44 @@ void addTrackers(Table& table, const render::WorkerStatistics& s) {
   if (s.invalidCoefficients > 0) table.row("invalid results", formatCount(s.invalidCoefficients));
 }
 
+/// The trees of bounds of all media, added up; shares are means over the trees.
+void addBounds(Table& table, const render::PreparedScene& scene) {
+  volume::BoundStatistics sum;
+  std::uint64_t trees = 0;
+  for (const volume::BoundStatistics& s : scene.treeStatistics) {
+    if (s.boxes == 0) continue;
+    ++trees;
+    sum.boxes += s.boxes;
+    sum.points += s.points;
+    sum.bytes += s.bytes;
+    sum.empty += s.empty;
+    sum.uniform += s.uniform;
+    sum.proven += s.proven;
+    sum.declared += s.declared;
+    sum.estimated += s.estimated;
+    sum.emptyVolume += s.emptyVolume;
+    sum.uniformVolume += s.uniformVolume;
+    sum.tightness += s.tightness;
+    sum.workingShare += s.workingShare;
+    sum.seconds += s.seconds;
+  }
+  if (trees == 0) return;
+  const double mean = 1 / number(trees);
+  table.row("bounds",
+            fmt::format("{} in {}, {}B, from {} boxes and {} points in {}",
+                        formatCount(sum.empty + sum.uniform + sum.proven + sum.declared + sum.estimated, "part"),
+                        formatCount(trees, "tree"), formatShort(number(sum.bytes)), formatCount(sum.boxes),
+                        formatCount(sum.points), formatDuration(sum.seconds)));
+  table.row("known leaves", fmt::format("{} empty ({} of the space), {} uniform ({})", formatCount(sum.empty),
+                                        formatPercent(sum.emptyVolume * mean, 1), formatCount(sum.uniform),
+                                        formatPercent(sum.uniformVolume * mean, 1)));
+  table.row("bounded leaves", fmt::format("{} proven, {} declared, {} estimated", formatCount(sum.proven),
+                                          formatCount(sum.declared), formatCount(sum.estimated)));
+  table.row("tightness",
+            fmt::format("the working bound is {:.2f} of the known one, and {:.2f} times the mean extinction",
+                        sum.workingShare * mean, sum.tightness * mean));
+}
+
 }  // namespace
 
 std::string formatStatistics(const render::PreparedScene& scene, const render::RenderReport& report,
@@ -85,6 +123,7 @@ std::string formatStatistics(const render::PreparedScene& scene, const render::R
                                 formatCount(s.accel.occlusionQueries)));
   if (s.accel.invalidRays > 0) table.row("invalid rays", formatCount(s.accel.invalidRays));
   if (s.accel.openVolumes > 0) table.row("rays through open volume meshes", formatCount(s.accel.openVolumes));
+  addBounds(table, scene);
   addKernelCalls(table, s, report.seconds * threads);
   addTrackers(table, s);
   if (film.droppedCount() > 0) table.row("dropped samples", formatCount(film.droppedCount()));

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/render/coefficient_layout.h"
 #include "core/render/message_log.h"
 #include "core/render/prepared_scene.h"
 
@@ -13,32 +14,6 @@ namespace aerosol::render {
 namespace {
 
 constexpr std::size_t floatOffset(std::size_t bytes) { return bytes / sizeof(float); }
-
-/// Where a kernel's output component goes within volume::Coefficients, as a float index.
-std::size_t coefficientOffset(const jit::OutputComponent& output) {
-  using volume::Coefficients;
-  using volume::Lobe;
-  const std::size_t lobe = offsetof(Coefficients, lobes) + output.index * sizeof(Lobe);
-  std::size_t bytes = 0;
-  switch (output.kind) {
-    case lang::OutputKind::sigmaT:
-      bytes = offsetof(Coefficients, sigmaT);
-      break;
-    case lang::OutputKind::sigmaS:
-      bytes = offsetof(Coefficients, sigmaS);
-      break;
-    case lang::OutputKind::emission:
-      bytes = offsetof(Coefficients, emission);
-      break;
-    case lang::OutputKind::lobeSigmaS:
-      bytes = lobe + offsetof(Lobe, sigmaS);
-      break;
-    default:
-      bytes = lobe + offsetof(Lobe, anisotropy);
-      break;
-  }
-  return floatOffset(bytes) + output.component;
-}
 
 bool isSound(Color c) { return isFinite(c) && minimum(c) >= 0; }
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "core/render/kernel_queue.h"
+#include "core/render/medium_bounds.h"
 
 namespace aerosol::render {
 
@@ -75,23 +77,77 @@ std::optional<float> declaredBound(const shading::Family& family, const shading:
   return {};
 }
 
-Diagnostics decideSampling(const PreparedScene& scene, volume::Medium& medium, const scene::MediumSampling& sampling,
-                           const scene::Integrator& integrator, float extent) {
+namespace {
+
+/// Coefficients of a medium that are the same wherever it is: its shader reads nothing that varies, or what it reads
+/// turns out to make no difference.
+std::optional<volume::Coefficients> constantOf(const PreparedScene& scene, shading::InstanceRef shader,
+                                               MediumRanges& ranges, const MediumPlace& place) {
+  if (auto constant = constantCoefficients(scene, shader)) return constant;
+  if (!place.domain || !place.staysInside) return ranges.uniformEverywhere();
+  const shading::Instance& instance = scene.shading.family(shader).instances[shader.index];
+  return ranges.uniformOver(volume::withRounding(*place.domain, instance.objectToWorld));
+}
+
+/// The lower of what is proven and what is declared.
+std::optional<volume::ExtinctionBound> lowestBound(std::optional<float> proven, std::optional<float> declared) {
+  if (proven && (!declared || *proven <= *declared))
+    return volume::ExtinctionBound{*proven, volume::Provenance::proven};
+  if (declared) return volume::ExtinctionBound{*declared, volume::Provenance::declared};
+  return {};
+}
+
+/// Builds the tree and makes the medium's bound the largest in it.
+void plantTree(PreparedScene& scene, volume::Medium& medium, MediumRanges& ranges,
+               const volume::BoundRequest& request) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  volume::BoundStatistics& statistics = scene.treeStatistics[medium.index];
+  auto tree = std::make_unique<volume::BoundTree>(volume::buildBoundTree(ranges, request, statistics));
+  volume::ExtinctionBound largest{0, volume::Provenance::proven};
+  const auto include = [&](const volume::BoundNode& node) {
+    if (node.kind() == volume::LeafKind::inner) return;
+    largest.value = std::max(largest.value, node.limit);
+    largest.provenance = std::max(largest.provenance, node.provenance());
+  };
+  std::ranges::for_each(tree->nodes, include);
+  medium.bound = largest;
+  medium.tree = tree.get();
+  scene.trees[medium.index] = std::move(tree);
+  statistics.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const scene::MediumSampling& sampling,
+                           const scene::Integrator& integrator, const MediumPlace& place,
+                           const volume::BoundBudget& budget, int threads) {
   Diagnostics errors;
   const shading::InstanceRef shader = scene.mediumShaders[medium.index];
   const shading::Family& family = scene.shading.family(shader);
-  const float defaultStep = std::isfinite(extent) && extent > 0 ? extent / 100 : 1.0f;
+  const shading::Instance& instance = family.instances[shader.index];
+  const float defaultStep = std::isfinite(place.extent) && place.extent > 0 ? place.extent / 100 : 1.0f;
   medium.stepSize = sampling.stepSize.value_or(defaultStep) * integrator.stepScale;
-  medium.constant = constantCoefficients(scene, shader);
+  MediumRanges ranges(scene, shader, threads);
+  medium.constant = constantOf(scene, shader, ranges, place);
   if (medium.constant) {
     medium.method = DistanceMethod::closedForm;
     return errors;
   }
-  const std::optional<float> declared =
-      sampling.densityBound ? sampling.densityBound : declaredBound(family, family.instances[shader.index]);
-  if (declared) medium.bound = {*declared, volume::Provenance::declared};
-
+  const std::optional<float> declared = sampling.densityBound ? sampling.densityBound : declaredBound(family, instance);
+  const std::optional<float> everywhere = ranges.boundEverywhere();
+  medium.bound = lowestBound(everywhere, declared);
   const scene::DistanceSampling wanted = sampling.distance.value_or(integrator.distance);
+  if (place.domain && (ranges.canProve() || declared || wanted == scene::DistanceSampling::nullScattering)) {
+    plantTree(scene, medium, ranges,
+              {.domain = *place.domain,
+               .objectToWorld = instance.objectToWorld,
+               .declared = declared,
+               .everywhere = everywhere,
+               .stepSize = medium.stepSize,
+               .mayLeaveOut = ranges.mayLeaveOut(),
+               .budget = budget});
+  }
   if (wanted == scene::DistanceSampling::nullScattering && !medium.bound) {
     errors.error(
         scene.mediumLocations[medium.index],
@@ -99,8 +155,10 @@ Diagnostics decideSampling(const PreparedScene& scene, volume::Medium& medium, c
         {"give the medium or volume a float 'density_bound', or the shader the metadata "
          "[[ string extinction_bound = \"PARAMETER\" ]], or choose distance 'marching'"});
   }
-  const bool marches = wanted == scene::DistanceSampling::marching || !medium.bound;
-  medium.method = marches ? DistanceMethod::marching : DistanceMethod::nullScattering;
+  const bool isKnown = medium.bound && medium.bound->provenance != volume::Provenance::estimated;
+  const bool scatters =
+      wanted == scene::DistanceSampling::nullScattering || (wanted == scene::DistanceSampling::automatic && isKnown);
+  medium.method = scatters ? DistanceMethod::nullScattering : DistanceMethod::marching;
   return errors;
 }
 

@@ -19,9 +19,17 @@ std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shadin
 /// whose value extinction never exceeds.
 std::optional<float> declaredBound(const shading::Family& family, const shading::Instance& instance);
 
-/// Fills in method, bound and step of a medium. `extent` is the size of its place, for the default step (a hundredth).
-/// An error when null scattering is asked for without a bound.
-Diagnostics decideSampling(const PreparedScene& scene, volume::Medium& medium, const scene::MediumSampling& sampling,
-                           const scene::Integrator& integrator, float extent);
+/// Where a medium is.
+struct MediumPlace {
+  float extent = 1;                   ///< Size, for the default step (a hundredth). World units.
+  std::optional<Box<Object>> domain;  ///< Where most of it is, in its shader's space; nothing: unbounded.
+  bool staysInside = false;           ///< It is nowhere else. (A surface may have holes.)
+};
+
+/// Fills in coefficients, bounds, method and step of a medium, on up to `threads` threads. An error when null
+/// scattering is asked for where no bound is known.
+Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const scene::MediumSampling& sampling,
+                           const scene::Integrator& integrator, const MediumPlace& place,
+                           const volume::BoundBudget& budget, int threads);
 
 }  // namespace aerosol::render

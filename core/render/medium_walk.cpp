@@ -17,12 +17,11 @@ using volume::MediumSpan;
 using volume::Segment;
 using volume::Task;
 
-void findSegments(PathContext& path, float t0, float t1, const Medium* boundaryMedium) {
+void findSegments(PathContext& path, double t0, double t1, const Medium* boundaryMedium) {
   path.mediumSpans.clear();
   if (boundaryMedium) path.mediumSpans.push_back({t0, t1, boundaryMedium});
   for (const accel::Span& span : path.spans) {
-    path.mediumSpans.push_back(
-        {static_cast<float>(span.t0), static_cast<float>(span.t1), path.scene().volumes[span.volume]});
+    path.mediumSpans.push_back({span.t0, span.t1, path.scene().volumes[span.volume]});
   }
   path.segments.assign(path.mediumSpans);
 }
@@ -86,24 +85,25 @@ Task<Color> mediumTransmittance(PathContext& path, Ray<World> ray, MediumSpan sp
     case DistanceMethod::closedForm:
       break;
   }
-  co_return exp(volume::opticalDepth(span.medium->constant->sigmaT, span.t1 - span.t0) * -1.0f);
+  const auto length = static_cast<float>(span.t1 - span.t0);
+  co_return exp(volume::opticalDepth(span.medium->constant->sigmaT, length) * -1.0f);
 }
 
 /// Spans of all media between the ray's ends, surface-defined ones included.
 void collectSpans(PathContext& path, const Ray<World>& ray, const Medium* boundaryMedium) {
   path.mediumSpans.clear();
-  float begin = ray.tMin;
+  double begin = static_cast<double>(ray.tMin);
+  const auto end = static_cast<double>(ray.tMax);
   for (const accel::Interface& interface : path.interfaces) {
-    const auto t = static_cast<float>(interface.key.t);
+    const double t = interface.key.t;
     if (boundaryMedium && begin < t) path.mediumSpans.push_back({begin, t, boundaryMedium});
     const PreparedObject& object = path.scene().objects[interface.key.object];
     boundaryMedium = interface.entering ? object.interior : object.exterior;
     begin = t;
   }
-  if (boundaryMedium && begin < ray.tMax) path.mediumSpans.push_back({begin, ray.tMax, boundaryMedium});
+  if (boundaryMedium && begin < end) path.mediumSpans.push_back({begin, end, boundaryMedium});
   for (const accel::Span& span : path.spans) {
-    path.mediumSpans.push_back(
-        {static_cast<float>(span.t0), static_cast<float>(span.t1), path.scene().volumes[span.volume]});
+    path.mediumSpans.push_back({span.t0, span.t1, path.scene().volumes[span.volume]});
   }
 }
 

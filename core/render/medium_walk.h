@@ -9,7 +9,7 @@
 namespace aerosol::render {
 
 /// Splits what `path.spans` and the surface-defined medium around the ray say about [t0, t1] into `path.segments`.
-void findSegments(PathContext& path, float t0, float t1, const volume::Medium* boundaryMedium);
+void findSegments(PathContext& path, double t0, double t1, const volume::Medium* boundaryMedium);
 
 /// Samples a distance through all of `path.segments`. `throughput` steers choices between channels alone.
 /// The result's weights and emission are for the whole way; `passed` means past the last segment.

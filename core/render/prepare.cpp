@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 
 #include "core/accel/obj.h"
@@ -56,7 +57,7 @@ class Preparation {
   struct Placement {
     scene::Index medium = 0;
     scene::MediumSampling sampling;
-    float extent = std::numeric_limits<float>::infinity();
+    MediumPlace place;
   };
 
   std::vector<std::filesystem::path> searchPath() const {
@@ -138,7 +139,7 @@ class Preparation {
     scene_->mediumShaders.push_back(*bound);
     scene_->mediumLocations.push_back(shader.origin.location);
     scene_->mediumNames.push_back(shader.name);
-    placements_.push_back({index, sampling, std::numeric_limits<float>::infinity()});
+    placements_.push_back({index, sampling, {.extent = std::numeric_limits<float>::infinity()}});
     return &medium;
   }
 
@@ -226,7 +227,8 @@ class Preparation {
         continue;
       }
       const Box<World> bounds = (*shape)->worldBounds();
-      placements_[scene_->volumes[i]->index].extent = length(bounds.upper - bounds.lower);
+      placements_[scene_->volumes[i]->index].place = {
+          .extent = length(bounds.upper - bounds.lower), .domain = (*shape)->objectBounds(), .staysInside = true};
       if (auto added = builder_.addVolume(std::move(*shape)); !added) {
         appendAt(volume.origin.location, added.errors());
       }
@@ -248,10 +250,64 @@ class Preparation {
   }
 
   void decideMedia() {
-    for (volume::Medium& medium : scene_->media) {
-      const Placement& placement = placements_[medium.index];
-      const float extent = std::isfinite(placement.extent) ? placement.extent : sceneExtent();
-      errors_.append(decideSampling(*scene_, medium, placement.sampling, description_.integrator, extent));
+    // Without bounds kernels nothing is proven, and that is all: the programs themselves have been compiled.
+    static_cast<void>(scene_->shading.compileBounds(*options_.compiler, {options_.target, false}));
+    placeInteriors();
+    const std::size_t count = scene_->media.size();
+    scene_->trees.resize(count);
+    scene_->treeStatistics.resize(count);
+    const scene::Integrator& integrator = description_.integrator;
+    const std::uint64_t share = std::max<std::size_t>(1, count);
+    const volume::BoundBudget budget{.boxes = static_cast<std::uint64_t>(integrator.boundBoxes) / share,
+                                     .bytes = static_cast<std::uint64_t>(integrator.boundMegabytes) * 1000000 / share};
+    // Many media are decided side by side, each on one thread; a few one after the other, each on all.
+    const int processors = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const bool sideBySide = count >= static_cast<std::size_t>(4 * processors);
+    std::vector<Diagnostics> errors(count);
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t i = next++; i < count; i = next++) {
+        Placement& placement = placements_[i];
+        if (!std::isfinite(placement.place.extent)) placement.place.extent = sceneExtent();
+        if (placement.place.domain && !hasVolume(*placement.place.domain)) placement.place.domain.reset();
+        errors[i] = decideSampling(*scene_, scene_->media[i], placement.sampling, integrator, placement.place, budget,
+                                   sideBySide ? 1 : processors);
+      }
+    };
+    {
+      std::vector<std::jthread> threads;
+      for (int i = 1; sideBySide && i < processors; ++i) threads.emplace_back(work);
+      work();
+    }
+    for (const Diagnostics& each : errors) errors_.append(each);
+  }
+
+  static bool hasVolume(const Box<Object>& box) {
+    const Vector<Object> sides = box.upper - box.lower;
+    const float volume = sides.x * sides.y * sides.z;
+    return !box.isEmpty() && volume > 0 && std::isfinite(volume);
+  }
+
+  /// Where the media inside of shapes are, in the shape's own space.
+  void placeInteriors() {
+    for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
+      const volume::Medium* const interior = scene_->objects[i].interior;
+      if (!interior) continue;
+      const scene::Shape& shape = description_.shapes[i];
+      std::optional<Box<Object>>& domain = placements_[interior->index].place.domain;
+      if (shape.type == scene::ShapeType::cube) domain = unitCube;
+      if (shape.type == scene::ShapeType::sphere) {
+        const Vector<Object> radius(shape.radius, shape.radius, shape.radius);
+        const Point<Object> center(shape.center.x, shape.center.y, shape.center.z);
+        domain = Box<Object>{center - radius, center + radius};
+      }
+      if (shape.type != scene::ShapeType::obj && shape.type != scene::ShapeType::ply) continue;
+      Box<Object> box;
+      const Transform<Object, World> toObject = shape.toWorld.inverse();
+      for (const Point<World>& p : scene_->geometry->mesh(static_cast<accel::ObjectId>(i))->positions) {
+        box.extend(toObject(p));
+      }
+      domain = box;
     }
   }
 
@@ -334,6 +390,8 @@ class Preparation {
     scene_->path = {integrator.maxDepth, integrator.rrDepth, integrator.hideEmitters, integrator.stepScale};
     scene_->loopBudget = options_.loopBudget;
   }
+
+  static constexpr Box<Object> unitCube{{-1, -1, -1}, {1, 1, 1}};
 
   const scene::SceneDescription& description_;
   const Registry& registry_;

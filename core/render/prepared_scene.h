@@ -18,6 +18,7 @@
 #include "core/shading/kernel_host.h"
 #include "core/shading/services.h"
 #include "core/shading/shading_system.h"
+#include "core/volume/bounds/bound_builder.h"
 #include "core/volume/medium.h"
 #include "core/volume/phase.h"
 
@@ -47,13 +48,15 @@ struct PreparedScene {
   shading::NamedSpaces namedSpaces;
   std::unique_ptr<shading::Services> services;  ///< Safe to use from all threads, like everything here.
   shading::SceneAttributes attributes;
-  std::vector<volume::Medium> media;                ///< Addresses are stable.
-  std::vector<shading::InstanceRef> mediumShaders;  ///< By medium index.
-  std::vector<SourceLocation> mediumLocations;      ///< By medium index.
-  std::vector<std::string> mediumNames;             ///< Shader names by medium index.
-  std::vector<PreparedObject> objects;              ///< By accel::ObjectId.
-  std::vector<const volume::Medium*> volumes;       ///< By accel::VolumeId.
-  const volume::Medium* cameraMedium = nullptr;     ///< Surface-defined medium around the camera.
+  std::vector<volume::Medium> media;                            ///< Addresses are stable.
+  std::vector<shading::InstanceRef> mediumShaders;              ///< By medium index.
+  std::vector<SourceLocation> mediumLocations;                  ///< By medium index.
+  std::vector<std::string> mediumNames;                         ///< Shader names by medium index.
+  std::vector<std::unique_ptr<const volume::BoundTree>> trees;  ///< By medium index; null where a medium has none.
+  std::vector<volume::BoundStatistics> treeStatistics;          ///< By medium index.
+  std::vector<PreparedObject> objects;                          ///< By accel::ObjectId.
+  std::vector<const volume::Medium*> volumes;                   ///< By accel::VolumeId.
+  const volume::Medium* cameraMedium = nullptr;                 ///< Surface-defined medium around the camera.
   LightSet lights;
   std::optional<Camera> camera;
   std::optional<Filter> filter;

@@ -9,6 +9,7 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   if (o.trackers.worstViolation > trackers.worstViolation) {
     trackers.worstViolation = o.trackers.worstViolation;
     trackers.worstMedium = o.trackers.worstMedium;
+    trackers.worstExtinction = o.trackers.worstExtinction;
   }
   trackers.stepLimits += o.trackers.stepLimits;
   samples += o.samples;

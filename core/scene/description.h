@@ -87,6 +87,8 @@ struct Integrator {
   bool hideEmitters = false;
   DistanceSampling distance = DistanceSampling::automatic;  ///< For media that do not choose.
   float stepScale = 1;                                      ///< Factor on all ray marching steps, > 0.
+  int boundBoxes = 1 << 16;  ///< Boxes over which bounds of all media together may be evaluated, at least 0.
+  int boundMegabytes = 256;  ///< Memory for the bounds of all media together.
   Origin origin;
 };
 

@@ -93,7 +93,15 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
            field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
            field<&Integrator::distance>({.name = "distance", .doc = "distance sampling of media that do not choose"}),
            field<&Integrator::stepScale>(
-               {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()})}}};
+               {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
+           field<&Integrator::boundBoxes>({.name = "bound_boxes",
+                                           .doc = "boxes over which bounds of the media's shaders are evaluated before "
+                                                  "the render, all media together",
+                                           .range = Range::atLeast(0)}),
+           field<&Integrator::boundMegabytes>({.name = "bound_megabytes",
+                                               .unit = "MB",
+                                               .doc = "memory for these bounds, all media together",
+                                               .range = Range::atLeast(0)})}}};
   return tables;
 }
 

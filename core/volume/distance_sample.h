@@ -4,8 +4,8 @@
 
 #include <cmath>
 #include <cstdint>
-#include <span>
 
+#include "core/volume/few_or_many.h"
 #include "core/volume/medium.h"
 
 namespace aerosol::volume {
@@ -25,7 +25,7 @@ enum class DistanceEvent : std::uint8_t { passed, scattered, absorbed };
 struct DistanceSample {
   DistanceEvent event = DistanceEvent::passed;
   PdfKind pdfKind = PdfKind::marginal;
-  float t = 0;                     ///< Along the ray, when scattered.
+  double t = 0;                    ///< Along the ray, when scattered.
   double logPdf = 0;               ///< Natural logarithm of the pdf (per scene unit) or of P.
   Color weight{1.0f};              ///< No unit.
   Color emission;                  ///< Radiance met on the way, for unit throughput at the segment's start.
@@ -46,24 +46,22 @@ struct CoefficientSum {
   }
 };
 
-/// The coefficients of medium number i of a segment, `next` running through the answers.
-inline const Coefficients& coefficientsOf(const Medium& medium, std::span<const Coefficients> answers,
-                                          std::size_t& next) {
-  return medium.constant ? *medium.constant : answers[next++];
-}
+/// Chooses a scattering lobe in proportion to the mean of its σs. Of one point, medium by medium: `add` all, then
+/// `choose`.
+class LobeChoice {
+ public:
+  void add(const Medium& medium, const Coefficients& part) { parts_.push_back({&medium, &part}); }
 
-/// Chooses the scattering lobe in proportion to the mean of its σs and writes it into `sample`: the weight becomes
-/// `weight` · σs(lobe) / P(lobe), where `weight` is T / pdf without σs. `u` in [0, 1). `answers` are those of one
-/// point.
-void chooseLobe(std::span<const Medium* const> media, std::span<const Coefficients> answers, Color weight, float u,
-                DistanceSample& sample);
+  /// Writes the lobe into `sample`: the weight becomes `weight` · σs(lobe) / P(lobe), where `weight` is T / pdf without
+  /// σs. Absorbed where nothing scatters. `u` in [0, 1).
+  void choose(Color weight, float u, DistanceSample& sample) const;
 
-/// Asks for every medium of a segment that is not constant; reads the answers back beside the constants.
-template <Evaluator E>
-void askSegment(E& evaluator, std::span<const Medium* const> media, Point<World> point) {
-  for (const Medium* medium : media) {
-    if (!medium->constant) evaluator.ask(*medium, point, Quantity::coefficients);
-  }
-}
+ private:
+  struct Part {
+    const Medium* medium = nullptr;
+    const Coefficients* coefficients = nullptr;
+  };
+  FewOrMany<Part, 4> parts_;
+};
 
 }  // namespace aerosol::volume

@@ -1,6 +1,7 @@
 // One medium as trackers see it, and the evaluator through which they ask for its coefficients.
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <span>
 
 #include "core/base/geometry.h"
+#include "core/volume/bounds/bound_tree.h"
 #include "core/volume/coefficients.h"
 #include "core/volume/frame_stack.h"
 
@@ -19,14 +21,36 @@ enum class DistanceMethod : std::uint8_t {
   nullScattering  ///< Delta and ratio tracking under a bound: unbiased.
 };
 
+/// Extinction below this counts as none: 1 / pdf would not fit into a float, and no scene is 1e30 units long.
+inline constexpr float negligibleExtinction = 1e-30f;
+
 /// A medium placed in the scene. Const after preparation.
 struct Medium {
   std::uint32_t index = 0;  ///< The evaluator's key.
   DistanceMethod method = DistanceMethod::marching;
   std::optional<Coefficients> constant;  ///< Set when the compiled shader reads nothing that varies.
   std::optional<ExtinctionBound> bound;  ///< On the largest channel of extinction, everywhere in the medium.
+  const BoundTree* tree = nullptr;       ///< Bounds place by place, if there are any; then `bound` is the largest.
   float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
   bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
+
+  /// The medium as one leaf, without its tree. A bound of 0 that nobody proved is not taken at its word: emission, and
+  /// extinction that should not be there, are still looked for once a step.
+  BoundNode whole() const {
+    if (constant) {
+      const float largest = maximum(constant->sigmaT);
+      return {largest > negligibleExtinction ? largest : 0.0f, minimum(constant->sigmaT), largest,
+              BoundNode::makeLink(LeafKind::uniform, Provenance::proven, 0)};
+    }
+    const float given = bound ? bound->value : 0.0f;
+    const float majorant = given > negligibleExtinction ? given : 1.0f / stepSize;
+    return {majorant, 0, majorant,
+            BoundNode::makeLink(LeafKind::bounded, bound ? bound->provenance : Provenance::estimated, 0)};
+  }
+  /// Rate of tentative collisions in a leaf where coefficients vary (talk: "relaxing to max(μ̄, 1/stepsize)").
+  float collisionRate(const BoundNode& leaf) const {
+    return relaxesBound ? std::max(leaf.majorant, 1.0f / stepSize) : leaf.majorant;
+  }
 };
 
 /// What a query wants computed.
@@ -35,9 +59,10 @@ enum class Quantity : std::uint8_t { coefficients, extinction };
 /// Counts of one thread's trackers.
 struct TrackerStatistics {
   std::uint64_t points = 0;           ///< Shader points asked for by trackers.
-  std::uint64_t boundViolations = 0;  ///< Points whose extinction exceeded the bound in force.
-  float worstViolation = 0;           ///< Largest extinction / bound seen.
-  std::uint32_t worstMedium = 0;      ///< Where it was seen.
+  std::uint64_t boundViolations = 0;  ///< Points whose extinction exceeded what was known of their leaf.
+  float worstViolation = 0;           ///< Largest extinction / collision rate among them.
+  std::uint32_t worstMedium = 0;      ///< Where it was seen,
+  float worstExtinction = 0;          ///< and the extinction there.
   std::uint64_t stepLimits = 0;       ///< Segments with more than `maximumSteps` collisions or cells.
 };
 

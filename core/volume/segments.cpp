@@ -22,7 +22,7 @@ void SegmentList::assign(std::span<const MediumSpan> spans) {
   for (std::size_t end = 0; end < ends_.size();) {
     // All that happens at the next boundary; who starts there ends later.
     const bool startsFirst = start < starts_.size() && spans[starts_[start]].t0 < spans[ends_[end]].t1;
-    const float t = startsFirst ? spans[starts_[start]].t0 : spans[ends_[end]].t1;
+    const double t = startsFirst ? spans[starts_[start]].t0 : spans[ends_[end]].t1;
     for (; end < ends_.size() && spans[ends_[end]].t1 == t; ++end) {
       active_.erase(std::lower_bound(active_.begin(), active_.end(), ends_[end]));
     }
@@ -30,7 +30,7 @@ void SegmentList::assign(std::span<const MediumSpan> spans) {
       active_.insert(std::lower_bound(active_.begin(), active_.end(), starts_[start]), starts_[start]);
     }
     if (active_.empty()) continue;
-    float next = spans[ends_[end]].t1;
+    double next = spans[ends_[end]].t1;
     if (start < starts_.size()) next = std::min(next, spans[starts_[start]].t0);
     for (const std::uint32_t i : active_) media_.push_back(spans[i].medium);
     segments_.push_back({t, next, {}});

@@ -124,8 +124,8 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
   while (goesOn) {
     const auto hit =
         scene.geometry->closestHit(state.ray, path.spans, path.statistics().accel, passed ? &*passed : nullptr);
-    const float begin = passed ? static_cast<float>(passed->t) : state.ray.tMin;
-    findSegments(path, begin, hit ? static_cast<float>(hit->t) : state.ray.tMax, state.boundaryMedium);
+    const double begin = passed ? passed->t : static_cast<double>(state.ray.tMin);
+    findSegments(path, begin, hit ? hit->t : static_cast<double>(state.ray.tMax), state.boundaryMedium);
     path.setRay(state.ray);
     path.setRayTypes(state.rayTypes);
     const volume::DistanceSample event = co_await sampleDistance(path, state.ray, state.throughput);

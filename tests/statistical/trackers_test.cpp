@@ -323,8 +323,7 @@ TEST_P(TrackerSelfTest, DistancesAlone) {
   EXPECT_FALSE(meansAreRight(case_, Reference(case_), [&] {
     DistanceSample s = sample();
     if (s.event == DistanceEvent::scattered) {
-      s.t = std::min(static_cast<float>(case_.t1),
-                     static_cast<float>(case_.t0) + (s.t - static_cast<float>(case_.t0)) * fault);
+      s.t = std::min(case_.t1, case_.t0 + (s.t - case_.t0) * static_cast<double>(fault));
     }
     return s;
   }));

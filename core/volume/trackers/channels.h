@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/color.h"
+#include "core/volume/medium.h"
 
 namespace aerosol::volume {
 
@@ -37,8 +38,6 @@ struct ChannelMixture {
   float mix(Color c) const { return probability.r * c.r + probability.g * c.g + probability.b * c.b; }
 };
 
-/// Extinction below this counts as none: 1 / pdf would not fit into a float, and no scene is 1e30 units long.
-inline constexpr float negligibleExtinction = 1e-30f;
 inline Color withoutNegligible(Color sigma) {
   for (int c = 0; c < 3; ++c) sigma[c] = sigma[c] > negligibleExtinction ? sigma[c] : 0.0f;
   return sigma;

@@ -16,7 +16,7 @@ DistanceSample sampleHomogeneous(const Segment& segment, Color throughput, R& ra
   CoefficientSum sum;
   for (const Medium* medium : segment.media) sum.add(*medium->constant);
   sum.sigmaT = withoutNegligible(sum.sigmaT);
-  const float length = segment.t1 - segment.t0;
+  const auto length = static_cast<float>(segment.t1 - segment.t0);
 
   DistanceSample sample;
   const Color depth = opticalDepth(sum.sigmaT, length);
@@ -33,11 +33,13 @@ DistanceSample sampleHomogeneous(const Segment& segment, Color throughput, R& ra
     sample.weight = passProbability > 0 ? transmittance / passProbability : Color();
     return sample;
   }
-  sample.t = segment.t0 + distance;
+  sample.t = std::min(segment.t0 + static_cast<double>(distance), segment.t1);
   const Color transmittance = exp(sum.sigmaT * -distance);
   const float pdf = channels.mix(sum.sigmaT * transmittance);
   sample.logPdf = std::log(static_cast<double>(pdf));
-  chooseLobe(segment.media, {}, transmittance / pdf, random.next(), sample);
+  LobeChoice lobes;
+  for (const Medium* medium : segment.media) lobes.add(*medium, *medium->constant);
+  lobes.choose(transmittance / pdf, random.next(), sample);
   return sample;
 }
 

@@ -18,16 +18,21 @@ Coefficients withLobes(std::initializer_list<Lobe> lobes) {
   return c;
 }
 
+/// Of constant media and one that is answered for.
+DistanceSample chooseLobe(std::span<const Medium* const> media, const Coefficients& answer, Color weight, float u) {
+  LobeChoice lobes;
+  for (const Medium* medium : media) lobes.add(*medium, medium->constant ? *medium->constant : answer);
+  DistanceSample sample;
+  lobes.choose(weight, u, sample);
+  return sample;
+}
+
 /// Two media: a constant one with one lobe, one with two lobes that is answered for.
 class ChooseLobe : public ::testing::Test {
  protected:
   ChooseLobe() { constant_.constant = withLobes({{Color(1, 2, 3), 0.1f}}); }
 
-  DistanceSample choose(float u) const {
-    DistanceSample sample;
-    chooseLobe(media_, {&answer_, 1}, Color(0.5f), u, sample);
-    return sample;
-  }
+  DistanceSample choose(float u) const { return chooseLobe(media_, answer_, Color(0.5f), u); }
 
   Medium constant_, varying_;
   const std::array<const Medium*, 2> media_{&constant_, &varying_};
@@ -56,6 +61,21 @@ TEST_F(ChooseLobe, WeightsAddUpToAllScattering) {
   EXPECT_NEAR(mean.b, 0.5f * 5, 5e-3);
 }
 
+/// More media than a choice has room for without memory of its own.
+TEST(ChooseLobeEdges, OfManyMedia) {
+  std::vector<Medium> media(9);
+  std::vector<const Medium*> pointers;
+  for (Medium& medium : media) {
+    medium.constant = withLobes({{Color(1), 0.1f}});
+    pointers.push_back(&medium);
+  }
+  for (std::size_t i = 0; i < media.size(); ++i) {
+    const DistanceSample sample = chooseLobe(pointers, {}, Color(1), (static_cast<float>(i) + 0.5f) / 9);
+    EXPECT_EQ(sample.medium, &media[i]);
+    EXPECT_FLOAT_EQ(sample.weight.g, 9);
+  }
+}
+
 TEST_F(ChooseLobe, EndsOfTheRangeOfU) {
   EXPECT_EQ(choose(0).medium, &constant_);
   EXPECT_EQ(choose(0).event, DistanceEvent::scattered);
@@ -67,8 +87,7 @@ TEST(ChooseLobeEdges, NothingScatters) {
   Medium medium;
   medium.constant = withLobes({{Color(), 0.3f}});
   const Medium* media[] = {&medium};
-  DistanceSample sample;
-  chooseLobe(media, {}, Color(1), 0.5f, sample);
+  const DistanceSample sample = chooseLobe(media, {}, Color(1), 0.5f);
   EXPECT_EQ(sample.event, DistanceEvent::absorbed);
   EXPECT_TRUE(isBlack(sample.weight));
 }
@@ -78,8 +97,7 @@ TEST(ChooseLobeEdges, ALobeWithoutScatteringIsNeverChosen) {
   medium.constant = withLobes({{Color(), 0.1f}, {Color(1), 0.2f}, {Color(), 0.3f}});
   const Medium* media[] = {&medium};
   for (const float u : {0.0f, 0.5f, 0x1.fffffep-1f}) {
-    DistanceSample sample;
-    chooseLobe(media, {}, Color(1), u, sample);
+    const DistanceSample sample = chooseLobe(media, {}, Color(1), u);
     EXPECT_EQ(sample.anisotropy, 0.2f);
     EXPECT_EQ(sample.weight, Color(1));
   }
@@ -89,8 +107,7 @@ TEST(ChooseLobeEdges, TinyAndHugeScatteringTogether) {
   Medium medium;
   medium.constant = withLobes({{Color(1e12f), 0.1f}, {Color(1e-30f), 0.2f}});
   const Medium* media[] = {&medium};
-  DistanceSample sample;
-  chooseLobe(media, {}, Color(1), 0.999f, sample);
+  const DistanceSample sample = chooseLobe(media, {}, Color(1), 0.999f);
   EXPECT_TRUE(isFinite(sample.weight));
   EXPECT_EQ(sample.weight, Color(1e12f));
 }

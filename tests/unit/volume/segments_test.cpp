@@ -35,8 +35,8 @@ std::vector<const Medium*> mediaAt(const SegmentList& list, double t) {
 
 /// Everything that a list of segments promises about the spans it was made from.
 void expectSplits(const SegmentList& list, std::span<const MediumSpan> spans) {
-  float previous = -infinity;
-  std::vector<float> ends{-1e30f, 1e30f};
+  double previous = -infinity;
+  std::vector<double> ends{-1e30f, 1e30f};
   for (const Segment& segment : list.segments()) {
     EXPECT_LT(segment.t0, segment.t1);
     EXPECT_GE(segment.t0, previous) << "segments overlap or are not in order";
@@ -49,8 +49,8 @@ void expectSplits(const SegmentList& list, std::span<const MediumSpan> spans) {
   }
   std::sort(ends.begin(), ends.end());
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-    const double middle = 0.5 * (static_cast<double>(ends[i]) + static_cast<double>(ends[i + 1]));
-    if (!(static_cast<double>(ends[i]) < middle && middle < static_cast<double>(ends[i + 1]))) continue;
+    const double middle = 0.5 * (ends[i] + ends[i + 1]);
+    if (!(ends[i] < middle && middle < ends[i + 1])) continue;
     ASSERT_EQ(mediaAt(list, middle), mediaAt(spans, middle)) << "at " << middle;
   }
 }

@@ -1,0 +1,245 @@
+#include "core/render/medium_bounds.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include "core/base/random.h"
+#include "core/render/coefficient_layout.h"
+
+namespace aerosol::render {
+
+namespace {
+
+constexpr int boxesAtOnce = 256;
+constexpr int pointsAtOnce = 1024;
+/// Where rays may come to; further out there is nothing.
+constexpr Box<Object> everywhere{{-1e30f, -1e30f, -1e30f}, {1e30f, 1e30f, 1e30f}};
+
+/// Ranges are rounded outwards: what is surely 0 comes as a few of the smallest numbers on both sides.
+constexpr float nothing = volume::negligibleExtinction;
+
+bool isSound(const shading::Bound& bound) { return bound.low >= -nothing && std::isfinite(bound.high); }
+
+bool areZero(std::span<const shading::Bound> bounds) {
+  return std::ranges::all_of(bounds, [](const shading::Bound& b) { return b.low >= -nothing && b.high <= nothing; });
+}
+
+/// Nothing that the render would have to report: no NaN, no infinity, nothing negative.
+bool isSound(const shading::CoefficientBounds& bounds) {
+  const auto sound = [](const shading::Bound& b) { return isSound(b); };
+  const auto isFinite = [](const shading::Bound& b) { return std::isfinite(b.low) && std::isfinite(b.high); };
+  bool all = !bounds.mayBeNan && std::ranges::all_of(bounds.sigmaT, sound) &&
+             std::ranges::all_of(bounds.sigmaS, sound) && std::ranges::all_of(bounds.emission, isFinite);
+  for (std::uint32_t i = 0; i < bounds.lobeCount; ++i) all = all && isFinite(bounds.lobes[i].anisotropy);
+  return all;
+}
+
+float highOf(std::span<const shading::Bound> bounds) {
+  float high = 0;
+  for (const shading::Bound& b : bounds) high = std::max(high, b.high);
+  return high;
+}
+float lowOf(std::span<const shading::Bound> bounds) {
+  float low = std::numeric_limits<float>::infinity();
+  for (const shading::Bound& b : bounds) low = std::min(low, b.low);
+  return low;
+}
+
+std::uint64_t keyOf(const shading::CoefficientBounds& bounds) {
+  std::uint64_t key = bounds.lobeCount;
+  const auto add = [&](const shading::Bound& b) { key = combineHashes(key, std::bit_cast<std::uint64_t>(b)); };
+  std::ranges::for_each(bounds.sigmaT, add);
+  std::ranges::for_each(bounds.sigmaS, add);
+  std::ranges::for_each(bounds.emission, add);
+  for (std::uint32_t i = 0; i < bounds.lobeCount; ++i) {
+    std::ranges::for_each(bounds.lobes[i].sigmaS, add);
+    add(bounds.lobes[i].anisotropy);
+  }
+  return key;
+}
+
+volume::BoxKnowledge knowledgeFrom(const shading::CoefficientBounds& bounds) {
+  volume::BoxKnowledge k;
+  k.ranges = {.extinctionLow = bounds.mayBeNan ? 0.0f : std::max(0.0f, lowOf(bounds.sigmaT)),
+              .extinctionHigh = highOf(bounds.sigmaT),
+              .scatteringHigh = highOf(bounds.sigmaS),
+              .emissionLow = lowOf(bounds.emission),
+              .emissionHigh = highOf(bounds.emission)};
+  if (!isSound(bounds)) return k;
+  k.isEmpty = areZero(bounds.sigmaT) && areZero(bounds.sigmaS) && areZero(bounds.emission);
+  k.isUniform = bounds.isUniform(shading::uniformTolerance);
+  k.uniformKey = keyOf(bounds);
+  return k;
+}
+
+/// Points of a box: the R3 sequence (Roberts 2018), moved by a number that depends on the box alone.
+class BoxPoints {
+ public:
+  explicit BoxPoints(const Box<Object>& box) : box_(box) {
+    std::uint64_t key = 0;
+    for (int i = 0; i < 3; ++i) key = combineHashes(key, std::bit_cast<std::uint32_t>(box.lower[i]));
+    for (std::size_t i = 0; i < 3; ++i)
+      shift_[i] = static_cast<double>(randomFloat(key, 0, static_cast<std::uint32_t>(i)));
+  }
+  Point<Object> operator[](int n) const {
+    constexpr std::array<double, 3> step{0.8191725133961645, 0.6710436067037893, 0.5497004779019702};
+    Point<Object> p;
+    for (int i = 0; i < 3; ++i) {
+      const double x = shift_[static_cast<std::size_t>(i)] + (n + 1) * step[static_cast<std::size_t>(i)];
+      p[i] = box_.lower[i] + static_cast<float>(x - std::floor(x)) * (box_.upper[i] - box_.lower[i]);
+    }
+    return p;
+  }
+
+ private:
+  const Box<Object>& box_;
+  std::array<double, 3> shift_{};
+};
+
+/// As renders take it: what is not finite or negative counts as 0.
+float soundValue(float x) { return x > 0 && std::isfinite(x) ? x : 0.0f; }
+
+}  // namespace
+
+/// What one thread works with.
+struct MediumRanges::Context {
+  Context(const PreparedScene& scene, const shading::Family& family)
+      : host(scene.namedSpaces, scene.loopBudget, scene.services.get()), boxes(boxesAtOnce), batch(pointsAtOnce) {
+    points.bind(family, shading::Variant::extinction);
+  }
+  shading::KernelHost host;
+  shading::BoundsBatch boxes;
+  shading::Batch batch;
+  shading::PointArrays points;
+  std::vector<shading::VolumeBox> volumeBoxes;
+  std::vector<shading::CoefficientBounds> bounds;
+};
+
+MediumRanges::MediumRanges(const PreparedScene& scene, shading::InstanceRef shader, int threads)
+    : scene_(scene), shader_(shader), family_(scene.shading.family(shader)), threads_(std::max(1, threads)) {}
+
+MediumRanges::~MediumRanges() = default;
+
+bool MediumRanges::canProve() const { return family_.bounds.has_value(); }
+
+bool MediumRanges::mayLeaveOut() const {
+  const auto& sites = family_.kernel(shading::Variant::coefficients).interface().sites;
+  return std::ranges::none_of(sites, [](const jit::MessageSite& site) {
+    return site.kind == AEROSOL_MESSAGE_PRINT || site.kind == AEROSOL_MESSAGE_WARNING ||
+           site.kind == AEROSOL_MESSAGE_ERROR;
+  });
+}
+
+std::unique_ptr<MediumRanges::Context> MediumRanges::takeContext() {
+  const std::lock_guard lock(mutex_);
+  if (free_.empty()) return std::make_unique<Context>(scene_, family_);
+  auto context = std::move(free_.back());
+  free_.pop_back();
+  return context;
+}
+
+void MediumRanges::giveBack(std::unique_ptr<Context> context) {
+  const std::lock_guard lock(mutex_);
+  free_.push_back(std::move(context));
+}
+
+template <class Run>
+void MediumRanges::inParts(std::size_t count, std::size_t step, const Run& run) {
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    auto context = takeContext();
+    for (std::size_t first = next.fetch_add(step); first < count; first = next.fetch_add(step)) {
+      run(*context, first, std::min(first + step, count));
+      context->host.records().clear();
+    }
+    giveBack(std::move(context));
+  };
+  std::vector<std::jthread> threads;
+  const std::size_t workers = std::min<std::size_t>(static_cast<std::size_t>(threads_), (count + step - 1) / step);
+  for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(work);
+  if (count > 0) work();
+}
+
+void MediumRanges::prove(std::span<const Box<Object>> boxes, std::span<volume::BoxKnowledge> knowledge) {
+  if (!canProve()) {
+    volume::BoxKnowledge unknown;
+    unknown.ranges.extinctionHigh = unknown.ranges.scatteringHigh = unknown.ranges.emissionHigh =
+        std::numeric_limits<float>::infinity();
+    unknown.ranges.emissionLow = -unknown.ranges.emissionHigh;
+    std::ranges::fill(knowledge, unknown);
+    return;
+  }
+  inParts(boxes.size(), boxesAtOnce, [&](Context& context, std::size_t first, std::size_t end) {
+    context.volumeBoxes.clear();
+    for (std::size_t i = first; i < end; ++i) context.volumeBoxes.push_back({boxes[i], 0, 0});
+    context.bounds.resize(end - first);
+    context.boxes.evaluate(context.host, family_, shader_.index, context.volumeBoxes, context.bounds);
+    for (std::size_t i = first; i < end; ++i) knowledge[i] = knowledgeFrom(context.bounds[i - first]);
+  });
+}
+
+void MediumRanges::sample(std::span<const Box<Object>> boxes, int pointsPerBox, std::span<volume::BoxSamples> samples) {
+  const Transform<World, Object>& toWorld = family_.instances[shader_.index].objectToWorld;
+  const auto perBox = static_cast<std::size_t>(pointsPerBox);
+  inParts(boxes.size(), std::max<std::size_t>(1, pointsAtOnce / perBox),
+          [&](Context& context, std::size_t first, std::size_t end) {
+            for (std::size_t i = first; i < end; ++i) {
+              const BoxPoints points(boxes[i]);
+              for (int k = 0; k < pointsPerBox; ++k) {
+                context.points.push(shading::VolumePoint{toWorld(points[k]), Vector<World>(0, 0, 1), 0}, shader_.index);
+              }
+            }
+            context.batch.run(context.host, context.points, 0);
+            context.points.shrink(0);
+            for (std::size_t i = first; i < end; ++i) {
+              volume::BoxSamples& box = samples[i];
+              box = {std::numeric_limits<float>::infinity(), 0, 0};
+              double sum = 0;
+              for (std::size_t k = (i - first) * perBox; k < (i - first + 1) * perBox; ++k) {
+                const Color sigmaT(soundValue(context.batch.output(0)[k]), soundValue(context.batch.output(1)[k]),
+                                   soundValue(context.batch.output(2)[k]));
+                box.low = std::min(box.low, minimum(sigmaT));
+                box.high = std::max(box.high, maximum(sigmaT));
+                sum += static_cast<double>(maximum(sigmaT));
+              }
+              box.mean = static_cast<float>(sum / pointsPerBox);
+            }
+          });
+}
+
+volume::Coefficients MediumRanges::at(Point<Object> point) {
+  shading::KernelHost host(scene_.namedSpaces, scene_.loopBudget, scene_.services.get());
+  shading::Batch batch(1);
+  shading::PointArrays points;
+  points.bind(family_, shading::Variant::coefficients);
+  points.push(shading::VolumePoint{family_.instances[shader_.index].objectToWorld(point), Vector<World>(0, 0, 1), 0},
+              shader_.index);
+  batch.run(host, points, 0);
+  return readCoefficients(batch, 0);
+}
+
+std::optional<volume::Coefficients> MediumRanges::uniformOver(const Box<Object>& box) {
+  if (!canProve() || !mayLeaveOut()) return {};
+  std::array<volume::BoxKnowledge, 1> knowledge;
+  prove({&box, 1}, knowledge);
+  if (!knowledge[0].isUniform) return {};
+  Point<Object> centre;
+  for (int i = 0; i < 3; ++i) centre[i] = 0.5f * box.lower[i] + 0.5f * box.upper[i];
+  return at(centre);
+}
+
+std::optional<volume::Coefficients> MediumRanges::uniformEverywhere() { return uniformOver(everywhere); }
+
+std::optional<float> MediumRanges::boundEverywhere() {
+  if (!canProve()) return {};
+  std::array<volume::BoxKnowledge, 1> knowledge;
+  prove({&everywhere, 1}, knowledge);
+  const float high = knowledge[0].ranges.extinctionHigh;
+  return std::isfinite(high) ? std::optional(high) : std::nullopt;
+}
+
+}  // namespace aerosol::render

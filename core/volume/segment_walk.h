@@ -1,0 +1,103 @@
+// All media of a segment on a ray's way, cut where what is known of any of them changes.
+#pragma once
+
+#include "core/volume/bounds/bound_walk.h"
+#include "core/volume/distance_sample.h"
+#include "core/volume/few_or_many.h"
+#include "core/volume/segments.h"
+
+namespace aerosol::volume {
+
+/// A point of a ray, computed in double and rounded once: far from its origin a float distance is too coarse.
+inline Point<World> pointOn(const Ray<World>& ray, double t) {
+  const auto along = [t](float origin, float direction) {
+    return static_cast<float>(static_cast<double>(origin) + t * static_cast<double>(direction));
+  };
+  return {along(ray.origin.x, ray.direction.x), along(ray.origin.y, ray.direction.y),
+          along(ray.origin.z, ray.direction.z)};
+}
+
+/// Stretches of a segment in order along the ray. In each every medium is in one leaf of its tree.
+class SegmentWalk {
+ public:
+  SegmentWalk(const Segment& segment, const Ray<World>& ray)
+      : media_(segment.media), last_(segment.t1), end_(segment.t0) {
+    for (const Medium* medium : media_) walks_.emplace_back().begin(*medium, ray, segment.t0);
+    look();
+  }
+
+  double begin() const { return begin_; }
+  /// Where the stretch ends; the segment's end for the last one.
+  double end() const { return end_; }
+  bool isLast() const { return end_ >= last_; }
+  /// Are the coefficients of all media the same on the whole stretch?
+  bool isKnown() const { return isKnown_; }
+  /// Sum of the media's rates of tentative collisions.
+  float rate() const { return rate_; }
+  /// Sum of the coefficients that are the same on the whole stretch.
+  const CoefficientSum& known() const { return known_; }
+  /// Goes on to the stretch behind `end()`.
+  void next() {
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+      while (walks_[i].end() <= end_) walks_[i].next();
+    }
+    look();
+  }
+
+  /// Asks at a point for what varies.
+  template <Evaluator E>
+  void ask(E& evaluator, Point<World> point) const {
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+      if (!walks_[i].known()) evaluator.ask(*media_[i], point, Quantity::coefficients);
+    }
+  }
+  /// Calls `use(medium, leaf, coefficients)` for all that `ask` asked for, with the answers.
+  template <class Use>
+  void forAnswers(std::span<const Coefficients> answers, Use&& use) const {
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+      if (!walks_[i].known()) use(*media_[i], walks_[i].leaf(), answers[next++]);
+    }
+  }
+  /// The lobes of all media at the point of the answers.
+  LobeChoice lobes(std::span<const Coefficients> answers) const {
+    LobeChoice lobes;
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+      const Coefficients* const known = walks_[i].known();
+      lobes.add(*media_[i], known ? *known : answers[next++]);
+    }
+    return lobes;
+  }
+
+ private:
+  void look() {
+    begin_ = end_;
+    end_ = last_;
+    rate_ = 0;
+    isKnown_ = true;
+    known_ = {};
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+      const BoundWalk& walk = walks_[i];
+      end_ = std::min(end_, walk.end());
+      if (walk.known()) {
+        known_.add(*walk.known());
+        rate_ += walk.leaf().majorant;
+      } else {
+        isKnown_ = false;
+        rate_ += media_[i]->collisionRate(walk.leaf());
+      }
+    }
+    if (!(rate_ > negligibleExtinction)) rate_ = 0;
+  }
+
+  std::span<const Medium* const> media_;
+  double last_;
+  double begin_ = 0, end_ = 0;
+  float rate_ = 0;
+  bool isKnown_ = true;
+  CoefficientSum known_;
+  FewOrMany<BoundWalk, 1> walks_;
+};
+
+}  // namespace aerosol::volume
