@@ -6,18 +6,25 @@
 
 namespace aerosol {
 
-enum class FieldType : unsigned char { number, direction };
+enum class FieldType : unsigned char {
+  number,     ///< One float.
+  direction,  ///< Three: a unit vector in world space.
+  color,      ///< Three.
+  choice      ///< One: the index of a text among `choices`.
+};
 
-/// One parameter that is given as floats: a number, or a unit vector in world space as three.
+/// One parameter that is given as floats.
 struct DescribedField {
   std::string_view name;
   FieldType type = FieldType::number;
   std::string_view unit;  ///< Empty when there is none.
   float minimum = 0;      ///< Of a number.
   float maximum = 1;
-  std::string_view doc;  ///< One sentence, without a full stop.
+  std::string_view doc;                            ///< One sentence, without a full stop.
+  float defaultValue = 0;                          ///< Of each component, where a caller may leave it out.
+  std::span<const std::string_view> choices = {};  ///< The first one serves for any other text.
 
-  constexpr int components() const { return type == FieldType::direction ? 3 : 1; }
+  constexpr int components() const { return type == FieldType::direction || type == FieldType::color ? 3 : 1; }
 };
 
 /// How many floats the parameters take together.

@@ -15,13 +15,22 @@ namespace aerosol::render {
 enum class ClosureKind : unsigned char {
   scattering,   ///< Has a density over directions.
   transparent,  ///< Lets light pass straight on.
-  emission      ///< Emits and does not scatter.
+  emission,     ///< Emits and does not scatter.
+  interior      ///< Says what lies inside; scatters nothing itself.
 };
 
 /// Where a closure is asked. Unit vectors in world space.
 struct ClosurePoint {
   Vector<World> toViewer;
-  Normal<World> geometricNormal;  ///< Either side.
+  Normal<World> geometricNormal;  ///< Outwards: the side away from the interior.
+  float iorNear = 0;              ///< Index of the medium on the viewer's side; 0 where nobody says.
+  float iorFar = 0;               ///< On the other side.
+
+  /// The far index over the near one; of a boundary in empty space whose inside has the index `ior`, where nobody says.
+  float relativeIor(float ior) const {
+    if (iorNear > 0 && iorFar > 0) return iorFar / iorNear;
+    return dot(toViewer, geometricNormal) > 0 ? ior : 1 / ior;
+  }
 };
 
 /// Random numbers for one sample, each in [0, 1).
@@ -36,6 +45,8 @@ struct ClosureSample {
   float pdf = 0;            ///< Per steradian; of a delta direction the probability of having chosen it.
   bool isDelta = false;
   bool isPassing = false;  ///< Goes straight on, as if nothing was there.
+  /// How refraction into another index changes radiance without a change of energy; part of the weight.
+  float radianceScale = 1;
 };
 
 /// A closure. Its parameters are floats as described by `fields`. Directions point away from the surface.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/base/hash.h"
 #include "core/render/coefficient_layout.h"
 #include "core/render/message_log.h"
 #include "core/render/prepared_scene.h"
@@ -14,6 +15,20 @@ namespace aerosol::render {
 namespace {
 
 constexpr std::size_t floatOffset(std::size_t bytes) { return bytes / sizeof(float); }
+
+/// The closure's field that a parameter of the site names.
+std::optional<std::size_t> fieldOf(const Closure& closure, const lang::ClosureSite& site, std::uint32_t parameter) {
+  const auto fields = closure.fields();
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    if (fields[f].name == site.parameterNames[parameter]) return f;
+  }
+  return {};
+}
+
+/// Floats of the fields before.
+std::size_t offsetOf(const Closure& closure, std::size_t field) {
+  return static_cast<std::size_t>(componentCount(closure.fields().first(field)));
+}
 
 bool isSound(Color c) { return isFinite(c) && minimum(c) >= 0; }
 
@@ -42,18 +57,7 @@ void KernelQueues::prepareLayout(Queue& queue) const {
   const shading::Family& family = scene_.shading.families()[queue.family];
   const auto& outputs = family.kernel(queue.variant).interface().outputs;
   if (queue.variant == shading::Variant::surface) {
-    // A site's parameters lie one after the other; where each begins follows from the sizes of those before.
-    queue.sites = static_cast<std::uint32_t>(family.program->closureSites.size());
-    std::vector<std::size_t> used(queue.sites, 0);
-    for (const jit::OutputComponent& output : outputs) {
-      const std::size_t site = output.index * floatOffset(sizeof(SurfaceAnswer::Site));
-      if (output.kind == lang::OutputKind::siteWeight) {
-        queue.destinations.push_back(site + output.component);
-      } else {
-        queue.destinations.push_back(site + floatOffset(offsetof(SurfaceAnswer::Site, parameters)) +
-                                     used[output.index]++);
-      }
-    }
+    prepareSurfaceLayout(queue);
     return;
   }
   for (const jit::OutputComponent& output : outputs) {
@@ -64,6 +68,47 @@ void KernelQueues::prepareLayout(Queue& queue) const {
     if (output.kind == lang::OutputKind::lobeAnisotropy) queue.lobes = std::max(queue.lobes, output.index + 1);
   }
   queue.copiesSigmaS = queue.lobes == 1;
+}
+
+/// Parameters go by name to the fields of the site's closure; a field that the shader does not give has its default.
+/// What the closure does not know has been refused, or means nothing to a renderer (labels).
+void KernelQueues::prepareSurfaceLayout(Queue& queue) const {
+  const shading::Family& family = scene_.shading.families()[queue.family];
+  const auto& outputs = family.kernel(queue.variant).interface().outputs;
+  const auto& sites = family.program->closureSites;
+  queue.sites = static_cast<std::uint32_t>(sites.size());
+  constexpr std::size_t stride = floatOffset(sizeof(SurfaceAnswer::Site));
+  constexpr std::size_t first = floatOffset(offsetof(SurfaceAnswer::Site, parameters));
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const jit::OutputComponent& output = outputs[k];
+    if (output.kind == lang::OutputKind::siteWeight) {
+      queue.parameters.push_back({k, output.index * stride + output.component, output.type, {}});
+      continue;
+    }
+    const Closure* closure = scene_.siteClosures[queue.family][output.index];
+    const std::optional<std::size_t> field =
+        closure ? fieldOf(*closure, sites[output.index], output.subIndex) : std::nullopt;
+    if (!field) continue;
+    SurfaceParameter parameter{
+        k, output.index * stride + first + offsetOf(*closure, *field) + output.component, output.type, {}};
+    for (const std::string_view text : closure->fields()[*field].choices) {
+      parameter.choices.push_back(hashString(text));
+    }
+    queue.parameters.push_back(std::move(parameter));
+  }
+  for (std::uint32_t site = 0; site < queue.sites; ++site) {
+    const Closure* closure = scene_.siteClosures[queue.family][site];
+    if (!closure) continue;
+    const auto fields = closure->fields();
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      const auto& names = sites[site].parameterNames;
+      if (std::find(names.begin(), names.end(), fields[f].name) != names.end()) continue;
+      for (int c = 0; c < fields[f].components(); ++c) {
+        queue.defaults.emplace_back(site * stride + first + offsetOf(*closure, f) + static_cast<std::size_t>(c),
+                                    fields[f].defaultValue);
+      }
+    }
+  }
 }
 
 void KernelQueues::push(const Question& question, const PathContext& path, PendingQuestion from) {
@@ -161,7 +206,20 @@ void KernelQueues::scatterSurfaces(const Queue& queue, std::span<PathContext* co
   for (std::size_t lane = 0; lane < running_.size(); ++lane) {
     SurfaceAnswer& answer = paths[running_[lane].slot]->surfaceAnswer();
     auto* floats = reinterpret_cast<float*>(answer.sites.data());
-    for (std::size_t k = 0; k < queue.destinations.size(); ++k) floats[queue.destinations[k]] = batch_.output(k)[lane];
+    for (const auto& [place, value] : queue.defaults) floats[place] = value;
+    for (const SurfaceParameter& parameter : queue.parameters) {
+      const void* values = batch_.output(parameter.output);
+      float& place = floats[parameter.destination];
+      if (parameter.type == lang::BaseType::integer) {
+        place = static_cast<float>(static_cast<const std::int32_t*>(values)[lane]);
+      } else if (parameter.type == lang::BaseType::string) {
+        const std::uint64_t text = static_cast<const std::uint64_t*>(values)[lane];
+        const auto known = std::find(parameter.choices.begin(), parameter.choices.end(), text);
+        place = known == parameter.choices.end() ? 0.0f : static_cast<float>(known - parameter.choices.begin());
+      } else {
+        place = static_cast<const float*>(values)[lane];
+      }
+    }
     answer.siteCount = queue.sites;
   }
 }

@@ -33,6 +33,13 @@ class KernelQueues {
   shading::KernelHost& host() { return host_; }
 
  private:
+  /// Where an output of a surface shader goes, and what becomes of it on the way.
+  struct SurfaceParameter {
+    std::size_t output = 0;
+    std::size_t destination = 0;  ///< Float of the answer.
+    lang::BaseType type = lang::BaseType::floating;
+    std::vector<std::uint64_t> choices;  ///< Strings: hashes of the known texts; the place among them is the float.
+  };
   struct Queue {
     std::uint32_t family = 0;
     shading::Variant variant{};
@@ -43,9 +50,12 @@ class KernelQueues {
     bool copiesSigmaS = false;              ///< One lobe: its σs is the sum.
     std::uint32_t lobes = 0;
     std::uint32_t sites = 0;
+    std::vector<SurfaceParameter> parameters;             ///< Surfaces: where the outputs go instead.
+    std::vector<std::pair<std::size_t, float>> defaults;  ///< Surfaces: floats of the answer that no output sets.
   };
 
   void prepareLayout(Queue& queue) const;
+  void prepareSurfaceLayout(Queue& queue) const;
   bool allSound(const Queue& queue) const;
   void scatterExtinction(const Queue& queue, std::span<PathContext* const> paths);
   void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);

@@ -52,12 +52,14 @@ std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& sc
                  });
 }
 
+SurfaceAnswer askSurface(const PreparedScene& scene, shading::InstanceRef shader, const shading::ShadingPoint& point) {
+  const Question question{nullptr, volume::Quantity::coefficients, {}, shader, &point};
+  return askOnce(scene, question, [](PathContext& path, const WorkerStatistics&) { return path.surfaceAnswer(); });
+}
+
 std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shading::InstanceRef shader) {
   if (!scene.shading.family(shader).kernel(shading::Variant::surface).interface().isConstant()) return {};
-  const shading::ShadingPoint point;
-  const Question question{nullptr, volume::Quantity::coefficients, {}, shader, &point};
-  return askOnce(scene, question,
-                 [](PathContext& path, const WorkerStatistics&) { return std::optional(path.surfaceAnswer()); });
+  return askSurface(scene, shader, {});
 }
 
 std::optional<float> declaredBound(const shading::Family& family, const shading::Instance& instance) {

@@ -13,6 +13,8 @@ namespace aerosol::render {
 std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& scene, shading::InstanceRef shader);
 
 /// Weights of a surface shader's closures, when they do not vary.
+/// The closures of one point, outside of any render.
+SurfaceAnswer askSurface(const PreparedScene& scene, shading::InstanceRef shader, const shading::ShadingPoint& point);
 std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shading::InstanceRef shader);
 
 /// The bound that a shader declares: metadata `string extinction_bound = "density"` names a float or colour parameter

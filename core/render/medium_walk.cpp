@@ -89,16 +89,33 @@ Task<Color> mediumTransmittance(PathContext& path, Ray<World> ray, MediumSpan sp
   co_return exp(volume::opticalDepth(span.medium->constant->sigmaT, length) * -1.0f);
 }
 
+/// The medium behind a surface without effect of its own.
+const Medium* crossBoundary(PathContext& path, const accel::Interface& interface) {
+  const PreparedScene& scene = path.scene();
+  const PreparedObject& object = scene.objects[interface.key.object];
+  if (!scene.nestsMedia) return interface.entering ? object.interior : object.exterior;
+  volume::Interior interior;
+  interior.object = interface.key.object;
+  interior.scene = object.interior;
+  path.shadowMedia.cross(interior, interface.entering, path.statistics().media);
+  const volume::Interior* ruling = path.shadowMedia.ruling();
+  if (!ruling) return object.exterior;
+  if (ruling->scene) return ruling->scene;
+  // Media that closures describe lie in the path's own stack, which stays as it is.
+  const volume::Interior* own = path.media.interiorOf(ruling->object);
+  return own ? mediumOf(*own) : nullptr;
+}
+
 /// Spans of all media between the ray's ends, surface-defined ones included.
 void collectSpans(PathContext& path, const Ray<World>& ray, const Medium* boundaryMedium) {
   path.mediumSpans.clear();
   double begin = static_cast<double>(ray.tMin);
   const auto end = static_cast<double>(ray.tMax);
+  if (path.scene().nestsMedia) path.shadowMedia = path.media;
   for (const accel::Interface& interface : path.interfaces) {
     const double t = interface.key.t;
     if (boundaryMedium && begin < t) path.mediumSpans.push_back({begin, t, boundaryMedium});
-    const PreparedObject& object = path.scene().objects[interface.key.object];
-    boundaryMedium = interface.entering ? object.interior : object.exterior;
+    boundaryMedium = crossBoundary(path, interface);
     begin = t;
   }
   if (boundaryMedium && begin < end) path.mediumSpans.push_back({begin, end, boundaryMedium});

@@ -16,6 +16,7 @@
 #include "core/shading/shading_point.h"
 #include "core/shading/shading_system.h"
 #include "core/volume/medium.h"
+#include "core/volume/medium_stack.h"
 #include "core/volume/segments.h"
 
 namespace aerosol::render {
@@ -196,6 +197,9 @@ class PathContext {
   accel::InterfaceBuffer interfaces;
   std::vector<volume::MediumSpan> mediumSpans;
   volume::SegmentList segments;
+
+  volume::MediumStack media;        ///< Surface-defined interiors around the path; only where media nest.
+  volume::MediumStack shadowMedia;  ///< The same along a shadow ray.
 };
 
 }  // namespace aerosol::render

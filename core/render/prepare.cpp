@@ -9,6 +9,7 @@
 
 #include "core/accel/obj.h"
 #include "core/accel/ply.h"
+#include "core/render/interior.h"
 #include "core/render/medium_preparation.h"
 #include "core/render/scene_attributes.h"
 #include "core/render/scene_services.h"
@@ -39,6 +40,7 @@ class Preparation {
     if (errors_.hasErrors()) return fail();
     errors_.append(scene_->shading.compile(*options_.compiler, {options_.target, options_.laneCounters}));
     if (errors_.hasErrors()) return fail();
+    findSiteClosures();
     addShapes();
     addVolumes();
     if (errors_.hasErrors()) return fail();
@@ -48,6 +50,7 @@ class Preparation {
     addLights();
     if (errors_.hasErrors()) return fail();
     describeObjects();
+    findInitialMedia();
     description_.sources->annotate(warnings_);
     return std::unique_ptr<const PreparedScene>(std::move(scene_));
   }
@@ -96,12 +99,14 @@ class Preparation {
 
   /// A material used by many shapes is reported once.
   void appendNew(const Diagnostics& errors) {
-    for (const Diagnostic& each : errors.entries()) {
-      const bool known = std::any_of(errors_.entries().begin(), errors_.entries().end(), [&](const Diagnostic& e) {
-        return e.location == each.location && e.message == each.message;
-      });
-      if (!known) errors_.add(each);
-    }
+    for (const Diagnostic& each : errors.entries()) appendNew(each);
+  }
+
+  void appendNew(const Diagnostic& error) {
+    const bool known = std::any_of(errors_.entries().begin(), errors_.entries().end(), [&](const Diagnostic& e) {
+      return e.location == error.location && e.message == error.message;
+    });
+    if (!known) errors_.add(error);
   }
 
   void placeMedia() {
@@ -169,14 +174,14 @@ class Preparation {
                     fmt::format("shader '{}' has more than {} closures", program.name, SurfaceAnswer::maximumSites));
       return;
     }
-    for (const lang::ClosureSite& site : program.closureSites) {
-      if (!site.layers.empty())
-        errors_.error(program.locations[site.location], "layered closures are not implemented for surfaces");
-      object.closures.push_back(registry_.closure(site.closure));
-      if (!object.closures.back()) {
-        errors_.error(program.locations[site.location],
-                      fmt::format("closure '{}' is not implemented for surfaces", site.closure));
+    object.closures = scene_->siteClosures[object.material.family];
+    for (std::size_t i = 0; i < program.closureSites.size(); ++i) {
+      if (!program.closureSites[i].layers.empty()) {
+        errors_.error(program.locations[program.closureSites[i].location],
+                      "layered closures are not implemented for surfaces");
       }
+      checkSite(program, program.closureSites[i], object.closures[i]);
+      if (object.closures[i] && object.closures[i]->kind() == ClosureKind::interior) scene_->nestsMedia = true;
     }
     if (errors_.hasErrors()) return;
     const std::optional<SurfaceAnswer> constant = constantClosures(*scene_, object.material);
@@ -191,6 +196,34 @@ class Preparation {
       }
     }
     object.isBoundary = !hasOther && passing == Color(1.0f);
+  }
+
+  /// Every parameter of the site has to mean something to the closure.
+  void checkSite(const lang::Program& program, const lang::ClosureSite& site, const Closure* closure) {
+    const SourceLocation& place = program.locations[site.location];
+    if (!closure) {
+      appendNew(Diagnostic{
+          Severity::error, place, fmt::format("closure '{}' is not implemented for surfaces", site.closure), {}, {}});
+      return;
+    }
+    for (const std::string& name : site.parameterNames) {
+      const auto fields = closure->fields();
+      const bool isKnown = name == "label" || std::any_of(fields.begin(), fields.end(),
+                                                          [&](const DescribedField& f) { return f.name == name; });
+      if (isKnown) continue;
+      appendNew(Diagnostic{
+          Severity::error, place, fmt::format("'{}' of closure '{}' is not implemented", name, site.closure), {}, {}});
+    }
+  }
+
+  /// The closures of the renderer behind those of each shader.
+  void findSiteClosures() {
+    for (const shading::Family& family : scene_->shading.families()) {
+      auto& closures = scene_->siteClosures.emplace_back();
+      for (const lang::ClosureSite& site : family.program->closureSites) {
+        closures.push_back(registry_.closure(site.closure));
+      }
+    }
   }
 
   static Transform<World, Object> sphereToWorld(const scene::Shape& shape) {
@@ -376,6 +409,16 @@ class Preparation {
       default:
         return makeMeshLight(*scene_->geometry->mesh(object));
     }
+  }
+
+  /// Where media nest the path's stack begins with what the camera is in.
+  void findInitialMedia() {
+    using enum volume::PriorityOrder;
+    scene_->priorityOrder = description_.integrator.lowerPriorityWins ? lowerWins : higherWins;
+    if (!scene_->nestsMedia) return;
+    const Matrix4& m = description_.sensor.toWorld.matrix();
+    const Point<World> eye(static_cast<float>(m[0][3]), static_cast<float>(m[1][3]), static_cast<float>(m[2][3]));
+    scene_->initialMedia = findMedia(*scene_, eye);
   }
 
   void setUpCamera() {

@@ -20,6 +20,7 @@
 #include "core/shading/shading_system.h"
 #include "core/volume/bounds/bound_builder.h"
 #include "core/volume/medium.h"
+#include "core/volume/medium_stack.h"
 #include "core/volume/phase.h"
 
 namespace aerosol::render {
@@ -54,9 +55,13 @@ struct PreparedScene {
   std::vector<std::string> mediumNames;                         ///< Shader names by medium index.
   std::vector<std::unique_ptr<const volume::BoundTree>> trees;  ///< By medium index; null where a medium has none.
   std::vector<volume::BoundStatistics> treeStatistics;          ///< By medium index.
+  std::vector<std::vector<const Closure*>> siteClosures;        ///< By family, then closure site; null: none.
   std::vector<PreparedObject> objects;                          ///< By accel::ObjectId.
   std::vector<const volume::Medium*> volumes;                   ///< By accel::VolumeId.
   const volume::Medium* cameraMedium = nullptr;                 ///< Surface-defined medium around the camera.
+  bool nestsMedia = false;  ///< Some material says what is inside: paths keep a stack of interiors.
+  volume::PriorityOrder priorityOrder = volume::PriorityOrder::higherWins;
+  volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
   LightSet lights;
   std::optional<Camera> camera;
   std::optional<Filter> filter;

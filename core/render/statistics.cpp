@@ -22,6 +22,9 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   invalidCoefficients += o.invalidCoefficients;
   invalidClosures += o.invalidClosures;
   frameHeapBlocks += o.frameHeapBlocks;
+  media.exitsWithoutEntry += o.media.exitsWithoutEntry;
+  media.repeatedEntries += o.media.repeatedEntries;
+  media.rejectedHits += o.media.rejectedHits;
   return *this;
 }
 

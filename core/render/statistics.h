@@ -5,6 +5,7 @@
 
 #include "core/accel/scene.h"
 #include "core/volume/medium.h"
+#include "core/volume/medium_stack.h"
 
 namespace aerosol::render {
 
@@ -20,7 +21,8 @@ struct WorkerStatistics {
   std::uint64_t countedLanesUsed = 0;
   std::uint64_t invalidCoefficients = 0;  ///< Shader results that were NaN, infinite or negative.
   std::uint64_t invalidClosures = 0;      ///< Surface points with closures that were NaN or infinite.
-  std::uint64_t frameHeapBlocks = 0;      ///< Coroutine frames that did not fit their slot.
+  volume::StackStatistics media;
+  std::uint64_t frameHeapBlocks = 0;  ///< Coroutine frames that did not fit their slot.
 
   WorkerStatistics& operator+=(const WorkerStatistics& other);
 };

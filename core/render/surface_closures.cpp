@@ -45,12 +45,14 @@ bool isSoundSite(const Closure& closure, const SurfaceAnswer::Site& site) {
 }  // namespace
 
 SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnswer& answer,
-                                 const accel::SurfaceHit& hit, Vector<World> direction)
+                                 const accel::SurfaceHit& hit, Vector<World> direction,
+                                 const volume::Crossing* crossing)
     : answer_(answer) {
   std::size_t count = 0;
   for (std::uint32_t i = 0; i < answer_.siteCount; ++i) {
     SurfaceAnswer::Site& site = answer_.sites[i];
     if (!object.closures[i] || isBlack(site.weight)) continue;
+    if (object.closures[i]->kind() == ClosureKind::interior) continue;
     if (!isSoundSite(*object.closures[i], site)) {
       if (!invalidSite_) invalidSite_ = i;
       continue;
@@ -58,7 +60,12 @@ SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnsw
     normalizeDirections(*object.closures[i], site.parameters, hit.shadingNormal);
     terms_[count++] = {object.closures[i], site.weight, site.parameters};
   }
-  mix_.emplace(std::span(terms_.data(), count), ClosurePoint{-direction, hit.geometricNormal});
+  ClosurePoint point{-direction, hit.geometricNormal};
+  if (crossing) {
+    point.iorNear = crossing->iorBefore;
+    point.iorFar = crossing->iorAfter;
+  }
+  mix_.emplace(std::span(terms_.data(), count), point);
 }
 
 }  // namespace aerosol::render

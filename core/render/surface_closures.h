@@ -14,11 +14,11 @@ namespace aerosol::render {
 /// The shader globals of a hit. `toViewer` is unit.
 shading::ShadingPoint shadingPointOf(const accel::SurfaceHit& hit, const Ray<World>& ray);
 
-/// The closures of one hit; owns what the mix refers to.
+/// The closures of one hit; owns what the mix refers to. `crossing` gives the indices of the media on both sides.
 class SurfaceClosures {
  public:
   SurfaceClosures(const PreparedObject& object, const SurfaceAnswer& answer, const accel::SurfaceHit& hit,
-                  Vector<World> direction);
+                  Vector<World> direction, const volume::Crossing* crossing = nullptr);
   SurfaceClosures(const SurfaceClosures&) = delete;
   SurfaceClosures& operator=(const SurfaceClosures&) = delete;
 

@@ -85,6 +85,7 @@ struct Integrator {
   int maxDepth = -1;  ///< Longest path: 1 shows emitters, 2 direct light …; -1 is unbounded.
   int rrDepth = 5;    ///< Path length from which Russian roulette is played, at least 1.
   bool hideEmitters = false;
+  bool lowerPriorityWins = false;                           ///< Of surface-defined media that overlap.
   DistanceSampling distance = DistanceSampling::automatic;  ///< For media that do not choose.
   float stepScale = 1;                                      ///< Factor on all ray marching steps, > 0.
   int boundBoxes = 1 << 16;  ///< Boxes over which bounds of all media together may be evaluated, at least 0.

@@ -91,6 +91,9 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                                         .doc = "path length from which Russian roulette is played",
                                         .range = Range::atLeast(1)}),
            field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
+           field<&Integrator::lowerPriorityWins>(
+               {.name = "lower_priority_wins",
+                .doc = "where media inside of surfaces overlap, the lower priority rules, not the higher"}),
            field<&Integrator::distance>({.name = "distance", .doc = "distance sampling of media that do not choose"}),
            field<&Integrator::stepScale>(
                {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),

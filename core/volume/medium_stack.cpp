@@ -42,6 +42,11 @@ const Medium* MediumStack::medium() const {
   return interior ? mediumOf(*interior) : nullptr;
 }
 
+const Interior* MediumStack::interiorOf(std::uint32_t object) const {
+  const Entry* entry = find(object);
+  return entry ? &entry->interior : nullptr;
+}
+
 float MediumStack::ior() const { return iorOf(ruling()); }
 
 Crossing MediumStack::judge(const Interior& interior, bool entering) const {

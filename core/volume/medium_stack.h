@@ -64,6 +64,8 @@ class MediumStack {
   /// Its medium; null in empty space.
   const Medium* medium() const;
   float ior() const;
+  /// The interior of a surface that was entered; null when it was not.
+  const Interior* interiorOf(std::uint32_t object) const;
 
  private:
   struct Entry {

@@ -5,6 +5,7 @@
 // / P.
 
 #include "core/render/direct_light.h"
+#include "core/render/interior.h"
 #include "core/render/medium_walk.h"
 #include "core/render/prepared_scene.h"
 #include "core/render/registry.h"
@@ -68,23 +69,53 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   co_return true;
 }
 
-/// Emission and scattering at an opaque surface. False when the path ends.
-Task<bool> scatterOnSurface(PathContext& path, PathState& state, Radiance& radiance, const accel::SurfaceHit& hit) {
+/// The medium around the path when media nest.
+const Medium* ruler(const PathContext& path, const Medium* outside) {
+  return path.media.empty() ? outside : path.media.medium();
+}
+
+/// Goes through a surface that only bounds media.
+void crossBoundary(PathContext& path, PathState& state, const accel::SurfaceHit& hit) {
+  const PreparedObject& object = path.scene().objects[hit.object];
+  if (!path.scene().nestsMedia) {
+    state.boundaryMedium = hit.entering ? object.interior : object.exterior;
+    return;
+  }
+  volume::Interior interior;
+  interior.object = hit.object;
+  interior.scene = object.interior;
+  path.media.cross(interior, hit.entering, path.statistics().media);
+  state.boundaryMedium = ruler(path, object.exterior);
+}
+
+enum class Step : unsigned char { ends, scatters, passes };
+
+/// Emission and scattering at an opaque surface, unless a medium of higher priority hides it.
+Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, const accel::SurfaceHit& hit) {
   const PreparedScene& scene = path.scene();
   const PreparedObject& object = scene.objects[hit.object];
+  const shading::ShadingPoint point = shadingPointOf(hit, state.ray);
+  const SurfaceAnswer& answer = co_await path.shade(object.material, point);
+  std::optional<volume::Interior> interior;
+  if (scene.nestsMedia) interior = interiorOf(scene, hit.object, answer);
+  const volume::Crossing crossing = interior ? path.media.judge(*interior, hit.entering) : volume::Crossing{};
+  if (!crossing.isHit) {
+    path.media.cross(*interior, hit.entering, path.statistics().media);
+    state.boundaryMedium = ruler(path, object.exterior);
+    co_return Step::passes;
+  }
   const bool isHidden = scene.path.hideEmitters && state.length == 1;
   if (object.light && !isHidden) {
     radiance.color += state.throughput * metLight(scene, *object.light, hit, state.ray.direction, state.direction);
   }
-  const shading::ShadingPoint point = shadingPointOf(hit, state.ray);
-  const SurfaceAnswer& answer = co_await path.shade(object.material, point);
-  const SurfaceClosures closures(object, answer, hit, state.ray.direction);
+  radiance.alpha = 1;
+  const SurfaceClosures closures(object, answer, hit, state.ray.direction, interior ? &crossing : nullptr);
   if (const auto invalid = closures.invalidSite()) [[unlikely]] {
     ++path.statistics().invalidClosures;
     scene.messages->reportInvalidSurface(hit.object, *invalid, hit.point, path.id());
   }
   radiance.color += state.throughput * closures.mix().emitted();
-  if (state.length == scene.path.maxDepth) co_return false;
+  if (state.length == scene.path.maxDepth) co_return Step::ends;
 
   beginVertex(path, state.length);
   const SurfaceVertex vertex(hit, closures.mix());
@@ -93,15 +124,20 @@ Task<bool> scatterOnSurface(PathContext& path, PathState& state, Radiance& radia
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().next1D();
   const std::optional<ClosureSample> next = closures.mix().sample(uniforms);
-  if (!next) co_return false;
+  if (!next) co_return Step::ends;
   const bool crosses = dot(next->direction, hit.geometricNormal) * dot(state.ray.direction, hit.geometricNormal) > 0;
   state.rayTypes = rayTypeAfter(*next, crosses, state.rayTypes);
   if (crosses) {
-    state.boundaryMedium = hit.entering ? object.interior : object.exterior;
+    if (interior) {
+      path.media.cross(*interior, hit.entering, path.statistics().media);
+      state.boundaryMedium = ruler(path, object.exterior);
+    } else if (!scene.nestsMedia) {
+      state.boundaryMedium = hit.entering ? object.interior : object.exterior;
+    }
   }
   state.direction = {hit.point, next->pdf, next->isDelta};
   continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight);
-  co_return true;
+  co_return Step::scatters;
 }
 
 /// Russian roulette on the throughput. False when the path ends. Survival stays close to 1 where nothing is lost: in a
@@ -118,7 +154,9 @@ bool survivesRoulette(PathContext& path, PathState& state) {
 Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
   const PreparedScene& scene = path.scene();
   Radiance radiance;
-  PathState state{.ray = cameraRay, .boundaryMedium = scene.cameraMedium};
+  if (scene.nestsMedia) path.media = scene.initialMedia;
+  PathState state{.ray = cameraRay,
+                  .boundaryMedium = scene.nestsMedia ? ruler(path, scene.cameraMedium) : scene.cameraMedium};
   std::optional<accel::HitKey> passed;  // The boundary that this ray has just gone through.
   bool goesOn = scene.path.maxDepth != 0;
   while (goesOn) {
@@ -143,12 +181,12 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       if (!isHidden && !scene.lights.infinite().empty()) radiance.alpha = 1;
       goesOn = false;
     } else if (scene.objects[hit->object].isBoundary) {
-      state.boundaryMedium = hit->entering ? scene.objects[hit->object].interior : scene.objects[hit->object].exterior;
+      crossBoundary(path, state, *hit);
       passed = hit->key();
     } else {
-      radiance.alpha = 1;
-      passed.reset();
-      goesOn = co_await scatterOnSurface(path, state, radiance, *hit) && survivesRoulette(path, state);
+      const Step step = co_await meetSurface(path, state, radiance, *hit);
+      passed = step == Step::passes ? std::optional(hit->key()) : std::nullopt;
+      goesOn = step == Step::passes || (step == Step::scatters && survivesRoulette(path, state));
     }
     path.statistics().pathVertices += goesOn;
   }

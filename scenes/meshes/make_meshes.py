@@ -45,9 +45,35 @@ def tube(curve, radius, rings, sides):
     return positions, triangles
 
 
+def lathe(profile, sides):
+    """A solid of revolution around y; the profile (radius, height) begins and ends on the axis and has the solid on its
+    left. Each of its parts has corners of its own, so that normals are smooth around the axis and sharp across edges."""
+    positions, triangles = [], []
+    for (r0, y0), (r1, y1) in zip(profile, profile[1:]):
+        first = len(positions)
+        for i in range(sides):
+            a = 2 * math.pi * i / sides
+            positions.append((r0 * math.cos(a), y0, r0 * math.sin(a)))
+            positions.append((r1 * math.cos(a), y1, r1 * math.sin(a)))
+        for i in range(sides):
+            a, b = first + 2 * i, first + 2 * ((i + 1) % sides)
+            if r0 > 0:
+                triangles.append((a, a + 1, b))
+            if r1 > 0:
+                triangles.append((b, a + 1, b + 1))
+    return positions, triangles
+
+
 def trefoil(t):
     a = 2 * math.pi * t
     return ((math.sin(a) + 2 * math.sin(2 * a)) / 3, -math.sin(3 * a) / 3, (math.cos(a) - 2 * math.cos(2 * a)) / 3)
 
 
 write_ply("knot.ply", *tube(trefoil, 0.22, 72, 10))
+
+# A tumbler and three liquids for it: reaching into the wall, leaving a gap, and with exactly the wall's inside.
+SIDES, OUTER, INNER, BOTTOM, HEIGHT, LEVEL = 96, 0.5, 0.42, 0.12, 1.3, 0.95
+write_ply("tumbler.ply", *lathe([(0, 0), (OUTER, 0), (OUTER, HEIGHT), (INNER, HEIGHT), (INNER, BOTTOM), (0, BOTTOM)], SIDES))
+for name, reach in ("liquid_overlap.ply", 0.03), ("liquid_gap.ply", -0.02), ("liquid_exact.ply", 0):
+    r, bottom = INNER + reach, BOTTOM - reach
+    write_ply(name, *lathe([(0, bottom), (r, bottom), (r, LEVEL), (0, LEVEL)], SIDES))

@@ -1,0 +1,84 @@
+#include "core/render/interior.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/render/medium_preparation.h"
+#include "core/render/surface_closures.h"
+
+namespace aerosol::render {
+
+using volume::Interior;
+
+namespace {
+
+/// Extinction from the colour that white light has after a distance (0: none).
+Color extinctionOf(Color transmission, float depth) {
+  if (!(depth > 0)) return Color();
+  Color sigma;
+  for (int i = 0; i < 3; ++i) sigma[i] = -std::log(std::clamp(transmission[i], 1e-6f, 1.0f)) / depth;
+  return sigma;
+}
+
+}  // namespace
+
+std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t object, const SurfaceAnswer& answer) {
+  const PreparedObject& prepared = scene.objects[object];
+  Interior interior;
+  interior.object = object;
+  volume::Coefficients sum;
+  bool isDescribed = false;
+  for (std::uint32_t i = 0; i < answer.siteCount; ++i) {
+    const Closure* closure = prepared.closures[i];
+    const SurfaceAnswer::Site& site = answer.sites[i];
+    if (!closure || closure->kind() != ClosureKind::interior || isBlack(site.weight)) continue;
+    const auto& p = site.parameters;
+    const Color albedo(p[0], p[1], p[2]), transmission(p[4], p[5], p[6]);
+    const Color sigmaT = site.weight * extinctionOf(transmission, p[3]), sigmaS = sigmaT * albedo;
+    if (!isFinite(sigmaT) || !isFinite(sigmaS)) continue;
+    if (!isDescribed) {
+      interior.ior = p[8];
+      if (p[9] != 0) interior.priority = static_cast<int>(p[9]);
+    }
+    isDescribed = true;
+    sum.sigmaT += sigmaT;
+    sum.sigmaS += sigmaS;
+    if (!isBlack(sigmaS) && sum.lobeCount < sum.lobes.size()) {
+      sum.lobes[sum.lobeCount++] = {sigmaS, std::clamp(p[7], -1.0f, 1.0f)};
+    }
+  }
+  if (!isDescribed && !prepared.interior) return {};
+  interior.scene = prepared.interior;
+  if (!interior.scene && !isBlack(sum.sigmaT)) {
+    volume::Medium medium;
+    medium.method = volume::DistanceMethod::closedForm;
+    medium.constant = sum;
+    interior.own = medium;
+  }
+  return interior;
+}
+
+volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point) {
+  volume::MediumStack stack(scene.priorityOrder);
+  Ray<World> up;
+  up.origin = point;
+  up.direction = {0, 1, 0};
+  accel::SpanBuffer spans;
+  accel::Counters counters;
+  std::vector<accel::SurfaceHit> hits;
+  std::optional<accel::HitKey> last;
+  while (const auto hit = scene.geometry->closestHit(up, spans, counters, last ? &*last : nullptr)) {
+    hits.push_back(*hit);
+    last = hit->key();
+  }
+  volume::StackStatistics ignored;
+  std::for_each(hits.rbegin(), hits.rend(), [&](const accel::SurfaceHit& hit) {
+    Ray<World> down = up;
+    down.direction = {0, -1, 0};
+    const SurfaceAnswer answer = askSurface(scene, scene.objects[hit.object].material, shadingPointOf(hit, down));
+    if (const auto interior = interiorOf(scene, hit.object, answer)) stack.cross(*interior, !hit.entering, ignored);
+  });
+  return stack;
+}
+
+}  // namespace aerosol::render
