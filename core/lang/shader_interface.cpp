@@ -60,12 +60,13 @@ Result<ShaderInterface> readShaderInterface(const std::filesystem::path& path, c
   Diagnostics diagnostics;
   const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics);
   if (diagnostics.hasErrors()) return diagnostics;
-  const auto program = lower(*checked, *parsed->sourceMap, diagnostics);
-  if (!program) return diagnostics;
-  Collector collector(*program);
+  const auto lowered = lower(*checked, *parsed->sourceMap, diagnostics);
+  if (!lowered) return diagnostics;
+  const Program& program = lowered->layer;
+  Collector collector(program);
   for (const auto& declaration : checked->shader->parameters)
     collector.add(declaration->name, declaration->type, declaration->isOutput);
-  return ShaderInterface{program->kind, program->name, program->metadata, collector.take()};
+  return ShaderInterface{program.kind, program.name, program.metadata, collector.take()};
 }
 
 }  // namespace aerosol::lang

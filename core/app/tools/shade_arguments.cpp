@@ -122,10 +122,6 @@ std::vector<OptionRow> Reader::groupRows() {
          change.layer = use.values[0];
          return readNamedValue(use, use.values[1], use.values[2], change.value);
        }},
-      {"userdata", "NAME VALUE", "User data for interpolated parameters and getattribute",
-       [this](const OptionUse& use) {
-         return readNamedValue(use, use.values[0], use.values[1], arguments.userData.emplace_back());
-       }},
       {"archivegroup", "FILE", "Write the group as text", setText(arguments.archive)},
   };
 }
@@ -137,10 +133,6 @@ std::vector<OptionRow> Reader::gridRows() {
       {"center", "", "Points at the centres of pixels, not on the patch's border", setFlag(grid.pixelCentres)},
       {"offsetuv,offsetst", "U V", "Added to u and v [0 0]", setFloats(grid.uOffset, grid.vOffset)},
       {"scaleuv,scalest", "U V", "Factors of u and v [1 1]", setFloats(grid.uScale, grid.vScale)},
-      {"vary_pdxdy", "", "Derivatives of P that vary", setFlag(grid.varyDP)},
-      {"vary_udxdy", "", "Derivatives of u that vary", setFlag(grid.varyDU)},
-      {"vary_vdxdy", "", "Derivatives of v that vary", setFlag(grid.varyDV)},
-      {"raytype", "NAME", "Kind of all rays [camera]", setText(arguments.rayType)},
   };
 }
 
@@ -181,10 +173,9 @@ std::vector<OptionRow> Reader::runRows() {
        [this](const OptionUse& use) { return readOptionList(use.value()); }},
       {"iters", "N", "Shade the grid N times [1]", setInteger(arguments.iterations, 0)},
       {"t,threads", "N", "Threads [one a processor]", setInteger(arguments.threads, 0)},
-      {"runstats,stats", "", "Print times and counts", setFlag(arguments.statistics)},
+      {"runstats,stats,debug", "", "Print times and counts", setFlag(arguments.statistics)},
       {"oslquery", "", "Print the group's layers and parameters", setFlag(arguments.query)},
       {"v", "", "Say more", setFlag(arguments.verbose)},
-      {"debug", "", "Print what the group reads, and statistics", setFlag(arguments.debug)},
       {"width", "16|8|4|1", "Points that compiled shaders work on at once [best of the machine]",
        [&kernels](const OptionUse& use) -> Problem {
          const std::string& text = use.value();
@@ -212,8 +203,11 @@ std::vector<OptionRow> Reader::ignoredRows() {
        "optix_no_merge_layer_funcs,optix_no_inline_rend_lib,optix_no_rend_lib_bitcode,"
        "optix_register_inline_funcs",
        "", "", ignore});
-  rows.push_back({"llvm_opt,texoptions,colorspace,locale,jbufferMB,optix_no_inline_thresh,optix_force_inline_thresh",
-                  "VALUE", "", ignore});
+  rows.push_back({"vary_pdxdy,vary_udxdy,vary_vdxdy", "", "", ignore});
+  rows.push_back({"userdata", "NAME VALUE", "", ignore});
+  rows.push_back(
+      {"raytype,llvm_opt,texoptions,colorspace,locale,jbufferMB,optix_no_inline_thresh,optix_force_inline_thresh",
+       "VALUE", "", ignore});
   return rows;
 }
 

@@ -59,13 +59,11 @@ struct ShadeArguments {
   bool printValues = false;
   int iterations = 1;
   int threads = 0;  ///< 0: one a processor.
-  std::string rayType = "camera";
-  std::vector<NamedValue> userData;
   std::vector<ShadeReparameter> reparameters;
   std::vector<std::string> shaderPath;
   std::vector<std::string> entryLayers, entryOutputs;
   std::string archive;
-  bool verbose = false, statistics = false, query = false, debug = false;
+  bool verbose = false, statistics = false, query = false;
   std::vector<std::string> ignored;  ///< Options that mean nothing here, as they were spelled.
   KernelArguments kernels;
 };

@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <utility>
 
+#include "core/app/tools/group_text.h"
 #include "core/app/tools/shader_files.h"
-#include "core/lang/compile.h"
+#include "core/lang/group.h"
 
 namespace aerosol::app {
 
@@ -14,50 +19,138 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// In the current folder, or else on the search path.
-Result<std::shared_ptr<const lang::Program>> findShader(const ShadeLayer& layer, shading::ShaderLibrary& library,
-                                                        Diagnostics& warnings) {
-  if (!layer.expression.empty()) return library.compile(layer.expression, layer.shader, warnings);
-  std::vector<fs::path> folders = {""};
-  folders.insert(folders.end(), library.searchPath().begin(), library.searchPath().end());
-  if (const auto file = findShaderFile(layer.shader, folders)) return library.load(*file, warnings);
-  return library.find(layer.shader, {}, warnings);  // Says what there is.
+bool isImageOutput(const lang::Parameter& parameter) { return parameter.isOutput && !parameter.type.closure; }
+
+/// The layers and connections asked for; those of a group's text where there is one.
+Result<GroupText> requested(const ShadeArguments& arguments) {
+  if (arguments.group.empty()) return GroupText{arguments.layers, arguments.connections};
+  std::string text = arguments.group, file = "group";
+  std::error_code ignored;
+  if (text.size() < 4096 && fs::is_regular_file(text, ignored)) {
+    file = text;
+    std::ifstream stream(file, std::ios::binary);
+    text.assign(std::istreambuf_iterator<char>(stream), {});
+  }
+  auto group = parseGroupText(text, file);
+  if (group) std::ranges::copy(arguments.connections, std::back_inserter(group->connections));
+  return group;
 }
 
-void bindValues(const ShadeLayer& layer, ShadeGroup& group) {
-  for (const NamedValue& given : layer.values) {
-    const auto index = shading::findParameter(*group.program, given.name);
-    if (!index) {
-      group.warnings.warning({}, "attempting to set nonexistent parameter: " + given.name);
-      continue;
-    }
-    const lang::Type& type = group.program->parameters[*index].type;
-    auto value = bindValue(type, given.value);
-    if (!value) {
-      group.warnings.warning({}, fmt::format("attempting to set parameter with wrong type: {} (expected '{}', "
-                                             "received '{}')",
-                                             given.name, lang::toString(type), lang::toString(given.value.type)));
-      continue;
-    }
-    std::erase_if(group.values, [&](const shading::ParameterValue& known) { return known.parameter == *index; });
-    group.values.push_back({*index, std::move(*value)});
+/// Compiles each shader once.
+class Compiler {
+ public:
+  Compiler(const std::vector<fs::path>& folders, const lang::CompileOptions& options)
+      : folders_{""}, options_(options) {
+    folders_.insert(folders_.end(), folders.begin(), folders.end());
   }
+
+  Result<std::shared_ptr<const lang::Program>> compile(const ShadeLayer& layer, Diagnostics& warnings) {
+    auto& known = compiled_[layer.shader];
+    if (known) return known;
+    auto source = layer.expression.empty() ? compileFile(layer.shader)
+                                           : lang::compileString(layer.expression, layer.shader, options_);
+    if (!source) return source.errors();
+    warnings.append(source->warnings);
+    return known = source->layer;
+  }
+
+ private:
+  Result<lang::CompiledSource> compileFile(const std::string& name) const {
+    if (const auto file = findShaderFile(name, folders_)) return lang::compileFile(*file, options_);
+    return Diagnostic{Severity::error, {}, fmt::format("No .oso file could be found for shader \"{}\"", name), {}, {}};
+  }
+
+  std::vector<fs::path> folders_;
+  const lang::CompileOptions& options_;
+  std::map<std::string, std::shared_ptr<const lang::Program>> compiled_;
+};
+
+/// With the parameter's own type where OSL lets the value stand for one of it: a float for a colour.
+lang::GivenValue bound(const NamedValue& given, const lang::Program& program) {
+  const auto parameter = std::ranges::find(program.parameters, given.name, &lang::Parameter::name);
+  if (parameter != program.parameters.end() && parameter->type.isTriple()) {
+    if (auto value = bindValue(parameter->type, given.value)) return {given.name, parameter->type, *value, {}};
+  }
+  return {given.name, given.value.type, given.value.value, {}};
+}
+
+lang::Group describe(const ShadeGroup& group, const ShadeArguments& arguments) {
+  lang::Group described;
+  described.name = group.name;
+  described.entryLayers = arguments.entryLayers;
+  for (std::size_t i = 0; i < group.layers.size(); ++i) {
+    lang::GroupLayer layer{group.layers[i].name, group.layers[i].program, {}, {}};
+    for (const NamedValue& given : group.requests[i].values) layer.values.push_back(bound(given, *layer.program));
+    described.layers.push_back(std::move(layer));
+  }
+  for (const ShadeConnection& c : group.connections)
+    described.connections.push_back({c.fromLayer, c.fromOutput, c.toLayer, c.toInput, {}, {}});
+  for (const ShadeOutput& output : arguments.outputs)
+    if (const auto name = group.findOutput(output.variable)) described.outputs.push_back(*name);
+  for (const std::string& output : arguments.entryOutputs)
+    if (const auto name = group.findOutput(output)) described.outputs.push_back(*name);
+  return described;
 }
 
 }  // namespace
 
-Result<ShadeGroup> buildShadeGroup(const ShadeArguments& arguments, shading::ShaderLibrary& library) {
-  if (arguments.layers.size() != 1 || !arguments.connections.empty())
-    return Diagnostic{Severity::error, {}, "only a single shader can be run", {}, {}};
-  const ShadeLayer& layer = arguments.layers.front();
+std::optional<std::string> ShadeGroup::findOutput(std::string_view variable) const {
+  for (std::size_t i = layers.size(); i-- > 0;) {
+    const Layer& layer = layers[i];
+    for (const lang::Parameter& parameter : layer.program->parameters) {
+      if (!isImageOutput(parameter)) continue;
+      const std::string full = layer.name + "." + parameter.name;
+      if (variable == parameter.name || variable == full) return full;
+    }
+  }
+  return {};
+}
+
+std::vector<std::string> ShadeGroup::outputs() const {
+  std::vector<std::string> names;
+  for (const Layer& layer : layers)
+    for (const lang::Parameter& parameter : layer.program->parameters)
+      if (isImageOutput(parameter)) names.push_back(layer.name + "." + parameter.name);
+  return names;
+}
+
+std::size_t ShadeGroup::layerAt(const SourceLocation& location) const {
+  for (std::size_t i = layers.size(); i-- > 0;) {
+    const auto& places = layers[i].program->locations;
+    if (std::ranges::find(places, location) != places.end()) return i;
+  }
+  return layers.size() - 1;
+}
+
+Result<ShadeGroup> buildShadeGroup(const ShadeArguments& arguments, const std::vector<fs::path>& folders,
+                                   const lang::CompileOptions& options, bool isChanged) {
+  auto request = requested(arguments);
+  if (!request) return request.errors();
   ShadeGroup group;
   group.name = arguments.groupName.empty() ? "unnamed_group_1" : arguments.groupName;
-  auto program = findShader(layer, library, group.warnings);
-  if (!program) return program.errors();
-  group.program = std::move(*program);
-  group.shaders = {group.program->name};
-  group.layers = {layer.layer.empty() ? fmt::format("{}_{}", group.program->name, 0) : layer.layer};
-  bindValues(layer, group);
+  group.connections = std::move(request->connections);
+  group.requests = std::move(request->layers);
+  if (group.requests.empty()) return Diagnostic{.message = "No shader or group was specified."};
+  Compiler compiler(folders, options);
+  for (ShadeLayer& layer : group.requests) {
+    auto program = compiler.compile(layer, group.warnings);
+    if (!program) return program.errors();
+    if (layer.layer.empty()) layer.layer = fmt::format("{}_{}", (*program)->name, group.layers.size());
+    if (isChanged) {
+      for (const ShadeReparameter& change : arguments.reparameters)
+        if (change.layer == layer.layer) layer.values.push_back(change.value);
+    }
+    group.layers.push_back({layer.layer, (*program)->name, *program});
+  }
+  lang::GroupOptions groupOptions;
+  groupOptions.exactTypes = true;
+  const auto resolved = lang::resolve(describe(group, arguments), groupOptions);
+  if (!resolved) return resolved.errors();
+  group.warnings.append(resolved->warnings);
+  auto merged = lang::merge(*resolved);
+  if (!merged) return merged.errors();
+  group.program = std::move(*merged);
+  for (const auto& [parameter, value] : resolved->values) group.values.push_back({parameter, value});
   return group;
 }
 

@@ -8,17 +8,19 @@ namespace aerosol::app {
 
 namespace {
 
-std::string textOf(const ShadedMessage& message, const ShadedPlace& place) {
+std::string textOf(const ShadedMessage& message, const ShadeGroup& group) {
+  const std::size_t number = group.layerAt(message.location);
+  const ShadeGroup::Layer& layer = group.layers[number];
   switch (message.kind) {
     case AEROSOL_MESSAGE_WARNING:
-      return fmt::format("WARNING: Shader warning [{}]: {}", place.shader, message.text);
+      return fmt::format("WARNING: Shader warning [{}]: {}", layer.shader, message.text);
     case AEROSOL_MESSAGE_ERROR:
-      return fmt::format("ERROR: Shader error [{}]: {}", place.shader, message.text);
+      return fmt::format("ERROR: Shader error [{}]: {}", layer.shader, message.text);
     case AEROSOL_REPORT_INDEX: {
       const std::int32_t index = message.values[0].i, length = message.values[1].i;
       return fmt::format("ERROR: Index [{}] out of range {}[0..{}]: {}:{} (group {}, layer {} {}, shader {})", index,
-                         message.text, length - 1, message.location.file, message.location.line, place.group,
-                         place.layerNumber, place.layer, place.shader);
+                         message.text, length - 1, message.location.file, message.location.line, group.name, number,
+                         layer.name, layer.shader);
     }
     case AEROSOL_REPORT_HOST:
       return fmt::format("ERROR: {}", message.text);
@@ -29,14 +31,14 @@ std::string textOf(const ShadedMessage& message, const ShadedPlace& place) {
 
 }  // namespace
 
-void printShadedMessages(const std::vector<ShadedMessage>& messages, const ShadedPlace& place, const Console& console) {
+void printShadedMessages(const std::vector<ShadedMessage>& messages, const ShadeGroup& group, const Console& console) {
   std::set<std::string> said;
   for (const ShadedMessage& message : messages) {
     if (message.kind == AEROSOL_MESSAGE_PRINT) {
       console.print(message.text);
       continue;
     }
-    const std::string text = textOf(message, place);
+    const std::string text = textOf(message, group);
     if (!said.insert(text).second) continue;
     std::fflush(console.out);
     console.note(text + "\n");

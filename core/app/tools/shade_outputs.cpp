@@ -40,7 +40,7 @@ image::PlainOptions::Type pixelType(const std::string& dataFormat) {
 
 }  // namespace
 
-void printShadedValues(const ShadeGrid& grid, const Shaded& shaded, const std::vector<std::size_t>& chosen,
+void printShadedValues(const ShadeGrid& grid, const Shaded& shaded, const std::vector<PrintedOutput>& printed,
                        const Console& console) {
   std::string text;
   for (int y = 0; y < grid.height; ++y) {
@@ -48,10 +48,10 @@ void printShadedValues(const ShadeGrid& grid, const Shaded& shaded, const std::v
       const auto point =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
       fmt::format_to(std::back_inserter(text), "Pixel ({}, {}):\n", x, y);
-      for (const std::size_t i : chosen) {
-        const ShadedOutput& output = shaded.outputs[i];
+      for (const PrintedOutput& each : printed) {
+        const ShadedOutput& output = shaded.outputs[each.index];
         if (output.type.base == lang::BaseType::string) continue;
-        fmt::format_to(std::back_inserter(text), "  {} :", output.name);
+        fmt::format_to(std::back_inserter(text), "  {} :", each.label);
         appendValues(text, output, point);
         text += '\n';
       }

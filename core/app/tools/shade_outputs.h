@@ -10,8 +10,14 @@
 
 namespace aerosol::app {
 
-/// "Pixel (x, y):" and a line an output, for all points. `chosen` are indices into `shaded.outputs`.
-void printShadedValues(const ShadeGrid& grid, const Shaded& shaded, const std::vector<std::size_t>& chosen,
+/// An output that is printed.
+struct PrintedOutput {
+  std::string label;
+  std::size_t index = 0;  ///< In `Shaded::outputs`.
+};
+
+/// "Pixel (x, y):" and a line an output, for all points.
+void printShadedValues(const ShadeGrid& grid, const Shaded& shaded, const std::vector<PrintedOutput>& printed,
                        const Console& console);
 
 /// Writes an output to an image file; .jpg, .png and .gif with the sRGB curve. `dataFormat` as in ShadeArguments.

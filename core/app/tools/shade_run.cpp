@@ -37,8 +37,10 @@ struct GridShader::Block {
 };
 
 Result<GridShader> GridShader::create(const Toolchain& toolchain, std::shared_ptr<const lang::Program> program,
-                                      std::vector<shading::ParameterValue> values) {
+                                      std::vector<shading::ParameterValue> values,
+                                      std::shared_ptr<shading::Services> services) {
   GridShader shader;
+  shader.services_ = std::move(services);
   shading::Instance instance;
   instance.values = std::move(values);
   instance.objectToWorld = gridObjectSpace();
@@ -55,8 +57,9 @@ Result<GridShader> GridShader::create(const Toolchain& toolchain, std::shared_pt
 Shaded GridShader::emptyOutputs(const ShadeGrid& grid) const {
   Shaded shaded;
   const std::size_t points = static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height);
-  for (const lang::Parameter& parameter : program().parameters) {
-    if (!parameter.isOutput || parameter.type.closure) continue;
+  for (const lang::Output& asked : program().outputs) {
+    if (asked.kind != lang::OutputKind::parameter) continue;
+    const lang::Parameter& parameter = program().parameters[asked.index];
     ShadedOutput output{parameter.name, parameter.type, componentsOf(parameter.type), {}};
     const std::size_t count = points * static_cast<std::size_t>(output.components);
     if (parameter.type.base == lang::BaseType::integer) {
@@ -127,7 +130,7 @@ Shaded GridShader::run(const ShadeGrid& grid, int threads) const {
     shading::Batch batch(std::min(points, blockPoints));
     shading::PointArrays arrays;
     arrays.bind(family(), shading::Variant::outputs);
-    shading::KernelHost host(spaces, loopBudget);
+    shading::KernelHost host(spaces, loopBudget, services_.get());
     for (int i = next++; i < blocks; i = next++) {
       Block block{arrays, batch, host, i * blockPoints, std::min(blockPoints, points - i * blockPoints), {}};
       shadeBlock(grid, block, shaded);

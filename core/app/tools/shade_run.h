@@ -9,6 +9,7 @@
 #include "core/app/toolchain.h"
 #include "core/app/tools/shade_arguments.h"
 #include "core/base/result.h"
+#include "core/shading/services.h"
 #include "core/shading/shading_system.h"
 
 namespace aerosol::app {
@@ -36,22 +37,25 @@ struct Shaded {
 
 class GridShader {
  public:
-  /// Compiles the program with the parameters given.
+  /// Compiles the program with the parameters given; `services` answers for files.
   static Result<GridShader> create(const Toolchain& toolchain, std::shared_ptr<const lang::Program> program,
-                                   std::vector<shading::ParameterValue> values);
+                                   std::vector<shading::ParameterValue> values,
+                                   std::shared_ptr<shading::Services> services);
 
   /// `threads` 0: one a processor. The result does not depend on it.
   Shaded run(const ShadeGrid& grid, int threads) const;
 
-  const lang::Program& program() const { return *family().program; }
+  /// The outputs that `run` fills, all zero.
+  Shaded emptyOutputs(const ShadeGrid& grid) const;
 
  private:
+  const lang::Program& program() const { return *family().program; }
   struct Block;
   const shading::Family& family() const { return system_.families().front(); }
   void shadeBlock(const ShadeGrid& grid, Block& block, Shaded& shaded) const;
-  Shaded emptyOutputs(const ShadeGrid& grid) const;
 
   shading::ShadingSystem system_;
+  std::shared_ptr<shading::Services> services_;
 };
 
 }  // namespace aerosol::app
