@@ -60,8 +60,8 @@ class Shader {
   }
 
   float greatest(const Box<Object>& box) {
-    points_.begin(family(), shading::Variant::extinction);
-    int count = 0;
+    waiting_.bind(family(), shading::Variant::extinction);
+    waiting_.shrink(0);
     const auto at = [&](int axis, int i) {
       const float t = static_cast<float>(i) / (samplesPerAxis - 1);
       return box.lower[axis] + t * (box.upper[axis] - box.lower[axis]);
@@ -69,15 +69,13 @@ class Shader {
     for (int i = 0; i < samplesPerAxis; ++i) {
       for (int j = 0; j < samplesPerAxis; ++j) {
         for (int k = 0; k < samplesPerAxis; ++k) {
-          shading::ShadingPoint point;
-          point.set(lang::Global::P, Point<World>(at(0, i), at(1, j), at(2, k)));
-          points_.set(count++, point, 0);
+          waiting_.push(shading::VolumePoint{{at(0, i), at(1, j), at(2, k)}, {}, 0}, 0);
         }
       }
     }
-    points_.run(host_, count);
+    points_.run(host_, waiting_, 0);
     const float* const values = points_.output(0);
-    return *std::max_element(values, values + count);
+    return *std::max_element(values, values + waiting_.size());
   }
 
  private:
@@ -85,6 +83,7 @@ class Shader {
   shading::NamedSpaces spaces_;
   shading::KernelHost host_;
   shading::Batch points_;
+  shading::PointArrays waiting_;
   shading::BoundsBatch batch_;
 };
 
