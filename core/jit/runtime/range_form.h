@@ -72,7 +72,9 @@ namespace detail {
 /// A form of what lies in the range and also keeps to the line: each cuts the other, and the line is dropped where it
 /// is of no use (or no number).
 template <FloatLanes F>
-AEROSOL_INLINE Form<F> tightened(const Range<F>& range, F centre, F x, F y, F z, F rest) {
+AEROSOL_INLINE Form<F> tightened(const Range<F>& range, F centre, F x, F y, F z, F distance) {
+  // Halves and products of denormal floats are rounded to 0.
+  const F rest = distance + F(underflow);
   const Form<F> line = {range, centre, x, y, z, rest};
   const F radius = fma(line.slopes() + rest, F(1.0f + 4.0f * roundOff), abs(centre) * F(roundOff));
   const auto usable = less(abs(centre) + radius, F(largestForm));

@@ -205,6 +205,13 @@ TEST(RuntimeForm, noise) {
                         [](auto x, auto y, auto z) { return rt::simplex(rt::Triple<decltype(x)>{x, y, z}); });
 }
 
+TEST(RuntimeForm, denormalValuesStayInside) {
+  const float least = 1.4e-45f;
+  const Form joined = rt::join(Form(least), Form(0.0f));
+  EXPECT_EQ(joined.lo, 0.0f);
+  EXPECT_GE(joined.hi, least);
+}
+
 /// A sum of octaves is followed by one line, so that its range is narrower than the sum of the octaves' ranges.
 TEST(RuntimeForm, sumsOfOctavesKeepTheirSlopes) {
   const auto octaves = [](auto p) {
