@@ -127,6 +127,9 @@ MediumRanges::~MediumRanges() = default;
 bool MediumRanges::canProve() const { return family_.bounds.has_value(); }
 
 bool MediumRanges::mayLeaveOut() const {
+  // Neither messages nor what the host keeps (points written to a cloud) may depend on where bounds are known.
+  const auto changesWorld = [](const lang::FunctionUse& function) { return function.host && !function.pure; };
+  if (std::ranges::any_of(family_.program->functions, changesWorld)) return false;
   const auto& sites = family_.kernel(shading::Variant::coefficients).interface().sites;
   return std::ranges::none_of(sites, [](const jit::MessageSite& site) {
     return site.kind == AEROSOL_MESSAGE_PRINT || site.kind == AEROSOL_MESSAGE_WARNING ||

@@ -23,7 +23,7 @@ class MediumRanges final : public volume::BoundSource {
 
   /// Whether anything can be proven: there is a bounds kernel.
   bool canProve() const;
-  /// Whether points may go without their shader being run: it leaves no messages.
+  /// Whether points may go without their shader being run: it leaves nothing but its results.
   bool mayLeaveOut() const;
   /// The coefficients of all points of the box, where they are surely the same.
   std::optional<volume::Coefficients> uniformOver(const Box<Object>& box);
