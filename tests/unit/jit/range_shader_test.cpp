@@ -94,7 +94,7 @@ Boxes randomBoxes(std::uint64_t seed) {
 }
 
 /// Points of one box, of the globals that are read: corners, faces and edges, then anywhere.
-Batch pointsIn(const Boxes& boxes, std::size_t box, std::uint32_t globalsRead, std::uint64_t seed) {
+Batch pointsIn(const Boxes& boxes, std::size_t box, std::uint64_t globalsRead, std::uint64_t seed) {
   Batch batch;
   batch.count = pointsInBox;
   batch.loopBudget = boxes.loopBudget;
