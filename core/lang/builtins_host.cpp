@@ -82,8 +82,6 @@ constexpr std::array table = {
     BuiltinRow{"dict_next", "i(i)", "dict_next", host, true, "The next node that matched the node's query, or 0."},
     BuiltinRow{"dict_value", "i(is!?)", "dict_value", host, true,
                "Puts an attribute of a node, or with \"\" its text, into a variable: 1 when it can be of its type."},
-    BuiltinRow{"isconnected", "i(?)", "isconnected", special, true,
-               "Whether a parameter is connected: 1 to an earlier layer, 2 to a later one, 3 to both."},
     BuiltinRow{"isconstant", "i(?)", "isconstant", special, true,
                "Whether the value is the same for all points of an instance."},
 };

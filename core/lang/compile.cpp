@@ -38,6 +38,12 @@ Result<CompiledSource> compile(Result<ParsedSource> parsed) {
 
 }  // namespace
 
+std::shared_ptr<const Program> programOf(const Program& layer) {
+  // What could be wrong was found when the layer was compiled.
+  const Program program = complete(layer, [](std::uint32_t, const std::string&) {});
+  return std::make_shared<const Program>(slice(program, program.outputs, Messages::keep));
+}
+
 Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();

@@ -31,6 +31,9 @@ struct CompiledSource {
   Diagnostics warnings;
 };
 
+/// The program of its own that a layer's shader is (see `complete` in lower.h), without what no output needs.
+std::shared_ptr<const Program> programOf(const Program& layer);
+
 /// Compiles the shader of a source file, or of a compiled file (compiled_file.h). (The last `shader` declaration is the
 /// shader, as in OSL.) Errors carry positions with their source lines; as many as can be found in one run.
 Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options);

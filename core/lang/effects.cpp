@@ -20,7 +20,10 @@ Effects findEffects(const Program& program) {
   };
   forEachInstruction(program.body, [&](const Instruction& instruction) {
     effects.messages = effects.messages || instruction.op == Op::message;
-    if (instruction.op == Op::call && !program.functions[instruction.function].pure) effects.impureCalls = true;
+    if (instruction.op == Op::call) {
+      const FunctionUse& function = program.functions[instruction.function];
+      if (!function.pure || (function.traits & (readsMessages | writesMessages)) != 0) effects.impureCalls = true;
+    }
     for (std::size_t i = 0; i < instruction.arguments.size(); ++i)
       if (!writesArgument(program, instruction, i)) mark(effects.reads, instruction.arguments[i]);
     if (updatesResult(instruction.op)) mark(effects.reads, instruction.result);

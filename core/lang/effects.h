@@ -9,7 +9,7 @@ namespace aerosol::lang {
 
 struct Effects {
   bool messages = false;     ///< Leaves messages.
-  bool impureCalls = false;  ///< Calls library functions that may not be dropped, moved or repeated.
+  bool impureCalls = false;  ///< Calls functions whose order or number matters.
   std::array<bool, globalCount> reads{};
   std::array<bool, globalCount> writes{};
 

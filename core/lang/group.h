@@ -22,6 +22,7 @@ struct GivenValue {
   Type type;
   ConstantValue value;  ///< Of that type.
   SourceLocation location;
+  std::vector<MetadataValue> hints = {};  ///< Go before the parameter's metadata of the same name.
 };
 
 struct GroupLayer {
@@ -35,7 +36,7 @@ struct GroupLayer {
 /// element `a[2]`, a component `c[0]`, `c.r`, `p.x`, or these after one another `s.a[2].x`.
 struct Connection {
   std::string sourceLayer;
-  std::string source;
+  std::string source;  ///< Also `Ci` of a surface or volume, which then is that layer's own, not the group's.
   std::string layer;
   std::string parameter;
   SourceLocation sourceLocation;
@@ -65,6 +66,9 @@ struct GroupOptions {
 
 inline constexpr std::size_t maximumLayers = 4000;
 
+/// Stands for the index of a parameter where a layer's `Ci` is the source of a connection.
+inline constexpr std::uint32_t ciParameter = 0xfffffffe;
+
 /// A part of a parameter: of an array an element, of a triple (or of an element that is one) a component.
 struct Part {
   std::uint32_t parameter = 0;  ///< Index into the parameters of the layer's program.
@@ -92,6 +96,7 @@ struct ResolvedGroup {
     bool isEntry = false;
     bool alwaysRuns = false;
     std::vector<std::uint32_t> asked;  ///< Parameters of the layer that are outputs of the group.
+    std::map<std::uint32_t, std::vector<MetadataValue>> hints;  ///< By parameter of the layer.
   };
   std::string name;
   std::vector<Layer> layers;

@@ -23,9 +23,9 @@ struct Shader {
   std::vector<VariableId> variables;  ///< Of constants and globals; noVariable for the rest.
   std::vector<std::uint32_t> functions;
   std::uint32_t firstLocation = 0;
-  std::vector<bool> written;  ///< By variable; what gives a parameter its default aside.
-  std::uint32_t scopes = 0;   ///< Scope ids are below.
-  std::uint32_t sites = 0;
+  std::vector<bool> written;    ///< By variable; what gives a parameter its default aside.
+  std::uint32_t scopes = 0;     ///< Scope ids are below.
+  std::uint32_t layerings = 0;  ///< Numbers of closureLayer are below.
   std::size_t instructions = 0;
   Effects effects;
 };
@@ -38,7 +38,7 @@ class Merger {
     const Program& last = *group_.layers.back().program;
     program_.kind = last.kind;
     program_.name = group_.name.empty() ? last.name : group_.name;
-    program_.metadata = last.metadata;
+    program_.metadata = metadataOf(last);
     findNeeded();
     for (std::uint32_t i = 0; i < group_.layers.size(); ++i) addLayer(i);
     if (errors_.hasErrors()) return errors_;
@@ -54,6 +54,25 @@ class Merger {
   }
 
  private:
+  /// The shader's metadata. The parameter that `extinction_bound` names is called otherwise in the group, and says
+  /// nothing about what is connected to it.
+  std::vector<MetadataValue> metadataOf(const Program& last) const {
+    std::vector<MetadataValue> metadata;
+    for (MetadataValue entry : last.metadata) {
+      auto* texts = std::get_if<std::vector<std::string>>(&entry.value);
+      if (entry.name == "extinction_bound" && texts && !texts->empty()) {
+        const auto parameter = ParameterNames(last).findLeaf(texts->front());
+        const bool isLinked = std::any_of(group_.links.begin(), group_.links.end(), [&](const Link& link) {
+          return link.layer + 1 == group_.layers.size() && parameter && link.target.parameter == *parameter;
+        });
+        if (isLinked) continue;
+        texts->front() = group_.layers.back().name + "." + texts->front();
+      }
+      metadata.push_back(std::move(entry));
+    }
+    return metadata;
+  }
+
   // What is needed
 
   void findNeeded() {
@@ -66,6 +85,7 @@ class Merger {
         const Link& one = group_.links[link - 1];
         if (needed_[i]) needed_[one.sourceLayer] = true;
         outgoing_[one.sourceLayer].insert(one.source.parameter);
+        if (one.source.parameter == ciParameter) ownCi_[one.sourceLayer] = noVariable;
       }
     }
   }
@@ -80,8 +100,8 @@ class Merger {
     program_.locations.insert(program_.locations.end(), program.locations.begin(), program.locations.end());
     for (const Variable& variable : program.variables) shader.variables.push_back(shared(variable));
     for (const FunctionUse& function : program.functions) {
-      const auto [same, isNew] =
-          functions_.emplace(function.symbol, static_cast<std::uint32_t>(program_.functions.size()));
+      const auto [same, isNew] = functions_.emplace((function.host ? "host " : "") + function.symbol,
+                                                    static_cast<std::uint32_t>(program_.functions.size()));
       if (isNew) program_.functions.push_back(function);
       shader.functions.push_back(same->second);
     }
@@ -94,6 +114,7 @@ class Merger {
         ++shader.instructions;
         if (instruction.op == Op::scope || instruction.op == Op::leave)
           shader.scopes = std::max(shader.scopes, instruction.scopeId + 1);
+        if (instruction.op == Op::closureLayer) shader.layerings = std::max(shader.layerings, instruction.site + 1);
         if (instruction.op == Op::branch && isSet[instruction.arguments[0]]) continue;
         forEachWritten(program, instruction, [&](VariableId id) { shader.written[id] = true; });
         for (const Code& body : instruction.bodies) self(self, body);
@@ -164,12 +185,19 @@ class Merger {
       return;
     }
     map_ = shader.variables;
+    if (const auto own = ownCi_.find(index); own != ownCi_.end()) {
+      Variable closure = source.variables[source.ci];
+      closure.storage = Storage::local;
+      own->second = map_[source.ci] = add(std::move(closure));
+      producers_[own->second] = index;
+    }
     addParameters(index, shader);
     for (VariableId id = 0; id < map_.size(); ++id)
       if (map_[id] == noVariable) map_[id] = add(source.variables[id]);
     Code& code = codes_.back().code;
     clone(source, shader, source.body, code);
     firstScope_ += shader.scopes;
+    firstLayering_ += shader.layerings;
     firstSite_ += static_cast<std::uint32_t>(source.closureSites.size());
     for (ClosureSite site : source.closureSites) {
       site.location += shader.firstLocation;
@@ -190,14 +218,20 @@ class Merger {
   }
 
   void addUnusedParameters(const ResolvedGroup::Layer& layer) {
-    for (const Parameter& parameter : layer.program->parameters)
-      if (!parameter.type.closure) addParameter(layer, parameter);
+    for (std::uint32_t p = 0; p < layer.program->parameters.size(); ++p)
+      if (!layer.program->parameters[p].type.closure) addParameter(layer, p);
   }
 
-  Parameter& addParameter(const ResolvedGroup::Layer& layer, const Parameter& parameter) {
-    Parameter& added = program_.parameters.emplace_back(parameter);
-    added.name = layer.name + "." + parameter.name;
+  Parameter& addParameter(const ResolvedGroup::Layer& layer, std::uint32_t index) {
+    Parameter& added = program_.parameters.emplace_back(layer.program->parameters[index]);
+    added.name = layer.name + "." + added.name;
     added.variable = added.isSet = added.isConnected = noVariable;
+    if (const auto hints = layer.hints.find(index); hints != layer.hints.end()) {
+      for (const MetadataValue& hint : hints->second) {
+        std::erase_if(added.metadata, [&](const MetadataValue& known) { return known.name == hint.name; });
+        added.metadata.push_back(hint);
+      }
+    }
     return added;
   }
 
@@ -210,10 +244,15 @@ class Merger {
   /// The source itself stands for the parameter where that is of the same kind and the layer never writes it.
   bool isAlias(const Link& link, const Shader& shader) const {
     if (!link.target.isWhole() || !link.source.isWhole()) return false;
-    const Program& source = *group_.layers[link.sourceLayer].program;
     const Parameter& target = group_.layers[link.layer].program->parameters[link.target.parameter];
-    return sameKind(source.parameters[link.source.parameter].type, target.type) &&
+    const VariableId source = sourceOf(link);
+    return (source == noVariable || sameKind(program_.variables[source].type, target.type)) &&
            (target.variable == noVariable || !shader.written[target.variable]);
+  }
+
+  VariableId sourceOf(const Link& link) const {
+    if (link.source.parameter == ciParameter) return ownCi_.at(link.sourceLayer);
+    return values_[link.sourceLayer][link.source.parameter];
   }
 
   /// Gives every parameter its variables: its own as before, those of the layer that it is connected to, or new ones.
@@ -224,11 +263,11 @@ class Merger {
     for (std::uint32_t p = 0; p < layer.program->parameters.size(); ++p) {
       const Parameter& parameter = layer.program->parameters[p];
       const auto number = static_cast<std::uint32_t>(program_.parameters.size());
-      Parameter* added = parameter.type.closure ? nullptr : &addParameter(layer, parameter);
+      Parameter* added = parameter.type.closure ? nullptr : &addParameter(layer, p);
       const Link* whole = isLinked[p] ? wholeLink(p) : nullptr;
       VariableId value = noVariable;
       if (whole && isAlias(*whole, shader)) {
-        value = values_[whole->sourceLayer][whole->source.parameter];
+        value = sourceOf(*whole);
       } else if (parameter.variable != noVariable) {
         Variable own = layer.program->variables[parameter.variable];
         own.name = layer.name + "." + parameter.name;
@@ -284,6 +323,7 @@ class Merger {
       copy.site = instruction.site;
       if (copy.op == Op::closureMake || copy.op == Op::closureWeight || copy.op == Op::closureParameter)
         copy.site += firstSite_;
+      if (copy.op == Op::closureLayer) copy.site += firstLayering_;
       copy.function = instruction.op == Op::call ? shader.functions[instruction.function] : instruction.function;
       for (const VariableId argument : instruction.arguments)
         copy.arguments.push_back(argument == noVariable ? noVariable : map_[argument]);
@@ -317,7 +357,7 @@ class Merger {
 
   /// Code that sets a parameter from what it is connected to, before the layer first looks at it.
   void adapt(std::uint32_t index, const Program& source, const Link& link, Code& code) {
-    VariableId value = values_[link.sourceLayer][link.source.parameter];
+    VariableId value = sourceOf(link);
     const VariableId target = values_[index][link.target.parameter];
     if (value == noVariable || target == noVariable) return;
     Code added;
@@ -389,11 +429,17 @@ class Merger {
   /// A layer may be moved when it does nothing besides its outputs and reads nothing that others change.
   void decideMovability() {
     std::array<bool, globalCount> written{};
-    for (const Shader* shader : shadersOfLayers_)
-      for (std::size_t g = 0; shader && g < written.size(); ++g) written[g] = written[g] || shader->effects.writes[g];
-    for (std::size_t i = 0; i < codes_.size(); ++i) {
+    std::vector<Effects> all(codes_.size());
+    for (std::uint32_t i = 0; i < codes_.size(); ++i) {
       if (!shadersOfLayers_[i]) continue;
-      const Effects& effects = shadersOfLayers_[i]->effects;
+      all[i] = shadersOfLayers_[i]->effects;
+      if (ownCi_.contains(i))
+        all[i].writes[static_cast<std::size_t>(Global::Ci)] = all[i].reads[static_cast<std::size_t>(Global::Ci)] =
+            false;
+      for (std::size_t g = 0; g < written.size(); ++g) written[g] = written[g] || all[i].writes[g];
+    }
+    for (std::size_t i = 0; i < codes_.size(); ++i) {
+      const Effects& effects = all[i];
       codes_[i].isMovable = !effects.any();
       for (std::size_t g = 0; g < written.size(); ++g)
         if (written[g] && effects.reads[g]) codes_[i].isMovable = false;
@@ -405,6 +451,7 @@ class Merger {
   Program program_;
   std::vector<bool> needed_;  ///< By layer.
   std::vector<std::set<std::uint32_t>> outgoing_;
+  std::map<std::uint32_t, VariableId> ownCi_;  ///< Of layers whose Ci is the source of a connection.
   std::unordered_map<const Program*, std::unique_ptr<Shader>> shaders_;
   std::vector<const Shader*> shadersOfLayers_;
   std::array<VariableId, globalCount> globals_ = noGlobals();
@@ -414,7 +461,7 @@ class Merger {
   std::vector<std::vector<VariableId>> values_;  ///< By layer and its parameter.
   std::vector<LayerCode> codes_;
   std::size_t nextLink_ = 0, instructions_ = 0;
-  std::uint32_t firstScope_ = 0, firstSite_ = 0;
+  std::uint32_t firstScope_ = 0, firstSite_ = 0, firstLayering_ = 0;
 
   // Of the layer that is being added
   std::vector<Link> links_;

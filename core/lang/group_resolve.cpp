@@ -32,6 +32,7 @@ struct Shader {
 struct LayerState {
   Shader* shader = nullptr;
   std::map<std::uint32_t, ConstantValue> values;
+  std::map<std::uint32_t, std::vector<MetadataValue>> hints;
   std::vector<Link> links;  ///< Into this layer.
   std::set<std::uint32_t> asked;
   bool isEntry = false;
@@ -122,6 +123,7 @@ class Resolver {
       auto value = converted(given, type, options_.exactTypes);
       if (value) {
         layers_[at].values[*index] = std::move(*value);
+        if (!given.hints.empty()) layers_[at].hints[*index] = given.hints;
       } else if (options_.exactTypes) {
         result_.warnings.warning(
             given.location,
@@ -161,6 +163,22 @@ class Resolver {
     return std::nullopt;
   }
 
+  std::optional<NamedPart> findSource(std::uint32_t layer, const std::string& name) const {
+    const Program& program = *group_.layers[layer].program;
+    auto part = layers_[layer].shader->names.find(name);
+    if (part || name != "Ci" || program.ci == noVariable || (program.kind != "surface" && !program.isVolume()))
+      return part;
+    return NamedPart{{ciParameter}, {""}};
+  }
+
+  bool isOutput(std::uint32_t layer, std::uint32_t index) const {
+    return index == ciParameter || parameter(layer, index).isOutput;
+  }
+  Type typeOf(std::uint32_t layer, const NamedPart& part, std::size_t i) const {
+    if (part.parameters[i] == ciParameter) return types::closure;
+    return partType(parameter(layer, part.parameters[i]).type, part.element, part.component);
+  }
+
   void readConnection(const Connection& connection) {
     const auto from = findLayer(connection.sourceLayer, connection.sourceLocation);
     const auto to = findLayer(connection.layer, connection.location);
@@ -171,9 +189,9 @@ class Resolver {
                     {"connections lead from earlier layers to later ones"});
       return;
     }
-    const auto source = layers_[*from].shader->names.find(connection.source);
+    const auto source = findSource(*from, connection.source);
     const auto target = layers_[*to].shader->names.find(connection.parameter);
-    if (!source || !parameter(*from, source->parameters[0]).isOutput) {
+    if (!source || !isOutput(*from, source->parameters[0])) {
       const std::string name = connection.sourceLayer + "." + connection.source;
       errors_.error(connection.sourceLocation,
                     source ? fmt::format("'{}' (shader '{}') is not an output", name, shaderName(*from))
@@ -194,9 +212,6 @@ class Resolver {
   void link(const Connection& connection, std::uint32_t from, const NamedPart& source, std::uint32_t to,
             const NamedPart& target) {
     bool fits = source.fields == target.fields;
-    const auto typeOf = [&](std::uint32_t layer, const NamedPart& part, std::size_t i) {
-      return partType(parameter(layer, part.parameters[i]).type, part.element, part.component);
-    };
     for (std::size_t i = 0; fits && i < source.parameters.size(); ++i)
       fits = connects(typeOf(from, source, i), typeOf(to, target, i));
     if (!fits) {
@@ -293,6 +308,7 @@ class Resolver {
       number(index);
       text += bitsKey({parameter(at, index).type, value}) + ";";
     }
+    for (const auto& [index, hints] : layer.hints) text += hintsKey(index, hints);
     for (const Link& link : layer.links) {
       number(-1);
       number(same_[link.sourceLayer]);
@@ -302,6 +318,12 @@ class Resolver {
         number(part.component);
       }
     }
+    return text;
+  }
+
+  static std::string hintsKey(std::uint32_t index, const std::vector<MetadataValue>& hints) {
+    std::string text = fmt::format("h{} ", index);
+    for (const MetadataValue& hint : hints) text += hint.name + "=" + bitsKey({hint.type, hint.value}) + ";";
     return text;
   }
 
@@ -330,8 +352,12 @@ class Resolver {
       newIndex[i] = static_cast<std::uint32_t>(result_.layers.size());
       if (same_[i] != i) continue;
       LayerState& state = layers_[i];
-      ResolvedGroup::Layer layer{group_.layers[i].name, group_.layers[i].program, parameters,
-                                 state.isEntry,         state.alwaysRuns,         {}};
+      ResolvedGroup::Layer layer;
+      layer.name = group_.layers[i].name;
+      layer.program = group_.layers[i].program;
+      layer.firstParameter = parameters;
+      layer.isEntry = state.isEntry;
+      layer.alwaysRuns = state.alwaysRuns;
       layer.asked.assign(state.asked.begin(), state.asked.end());
       for (auto& [index, value] : state.values)
         result_.values[parameters + state.shader->numbers[index]] = std::move(value);
@@ -340,6 +366,8 @@ class Resolver {
       add(static_cast<const void*>(layer.program.get()));
       add(layer.isEntry ? 'e' : layer.alwaysRuns ? 'a' : 'l');
       for (const std::uint32_t asked : layer.asked) add(asked);
+      for (const auto& [index, hints] : state.hints) result_.key += hintsKey(index, hints);
+      layer.hints = std::move(state.hints);
       for (Link link : state.links) {
         link.sourceLayer = newIndex[same_[link.sourceLayer]];
         link.layer = newIndex[i];

@@ -79,7 +79,6 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
   if (findTextureFunction(name)) return lowerTexture(expression, called);
   if (name == "pointcloud_search" || name == "pointcloud_get") return lowerPointQuery(expression, called);
   if (name == "getattribute") return lowerGetAttribute(expression, called);
-  if (name == "isconnected") return lowerIsConnected(called);
   if (name == "isconstant") return lowerIsConstant(expression, called);
   if (name == "concat") return lowerConcat(expression, called);
   return lowerFormat(expression, called);

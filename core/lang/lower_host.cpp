@@ -90,15 +90,6 @@ Value Lowerer::lowerGetAttribute(const Expression& expression, const Call& calle
   return lowerHostCall(expression, called);
 }
 
-/// A call that stays until the shader's group is known: who joins layers replaces it by what is true there.
-Value Lowerer::lowerIsConnected(const Call& called) {
-  const Value value = lower(*called.arguments[0]);
-  const Variable& variable = program_.variables[value.leaves.at(0)];
-  if (variable.storage != Storage::parameter) return {types::integer, {constantInt(0)}};
-  const VariableId name = constantString(program_.parameters[variable.parameter].name);
-  return {types::integer, {callHost("isconnected", types::integer, {name}, {.folds = false})}};
-}
-
 /// A call that stays until the parameters are known (see resolveConstancy).
 Value Lowerer::lowerIsConstant(const Expression& expression, const Call& called) {
   const Value value = lower(*called.arguments[0]);

@@ -202,7 +202,6 @@ class Lowerer {
                                        std::span<const VariableId> arguments) const;
   Value lowerHostCall(const Expression& expression, const Call& called);
   Value lowerGetAttribute(const Expression& expression, const Call& called);
-  Value lowerIsConnected(const Call& called);
   Value lowerIsConstant(const Expression& expression, const Call& called);
   void bindUserData(const Parameter& parameter);
 

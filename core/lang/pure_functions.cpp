@@ -14,7 +14,7 @@ namespace aerosol::lang {
 
 namespace {
 
-constexpr std::array<std::pair<std::string_view, PureFunction>, 16> table = {{
+constexpr std::array<std::pair<std::string_view, PureFunction>, 15> table = {{
     {"concat", concatFunction},
     {"strlen", lengthFunction},
     {"startswith", startsWithFunction},
@@ -36,8 +36,6 @@ constexpr std::array<std::pair<std::string_view, PureFunction>, 16> table = {{
      }},
     {"regex_search", regexSearchFunction},
     {"regex_match", regexMatchFunction},
-    {"isconnected",
-     [](HostCall& call) { call.forEachLane([&](unsigned lane) { call.set(HostCall::result, lane, 0); }); }},
 }};
 
 /// Strings of one call.

@@ -78,6 +78,8 @@ class Preparation {
     return {path, compile, options_.cache};
   }
 
+  ShaderSources shaderSources() { return {library_, groups_, description_.layers}; }
+
   Diagnostics fail() {
     description_.sources->annotate(errors_);
     return errors_;
@@ -86,7 +88,7 @@ class Preparation {
   void bindMaterials() {
     describeScene(description_, scene_->attributes);
     for (const scene::Shape& shape : description_.shapes) {
-      auto bound = bindShader(description_.materials[shape.material], "surface", shape.toWorld, library_,
+      auto bound = bindShader(description_.materials[shape.material], "surface", shape.toWorld, shaderSources(),
                               scene_->shading, warnings_);
       scene_->objects.emplace_back();
       if (bound) {
@@ -134,7 +136,7 @@ class Preparation {
   const volume::Medium* place(scene::Index index, const Transform<World, Object>& toWorld,
                               const scene::MediumSampling& sampling) {
     const scene::ShaderUse& shader = description_.media[index].shader;
-    auto bound = bindShader(shader, "volume", toWorld, library_, scene_->shading, warnings_);
+    auto bound = bindShader(shader, "volume", toWorld, shaderSources(), scene_->shading, warnings_);
     if (!bound) {
       appendNew(bound.errors());
       return nullptr;
@@ -441,6 +443,7 @@ class Preparation {
   const PrepareOptions& options_;
   Diagnostics& warnings_;
   shading::ShaderLibrary library_;
+  shading::GroupLibrary groups_;
   std::unique_ptr<PreparedScene> scene_;
   accel::SceneBuilder builder_;
   std::vector<Placement> placements_;  ///< By medium index.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/render/group_binding.h"
+
 namespace aerosol::render {
 
 namespace {
@@ -85,6 +87,38 @@ Diagnostic unknownParameter(const lang::Program& program, const scene::ShaderPar
   return error;
 }
 
+bool isOfKind(const scene::ShaderUse& use, const lang::Program& program, std::string_view kind, Diagnostics& errors) {
+  if (program.kind == kind || program.kind == "shader") return true;
+  errors.error(use.nameLocation, fmt::format("'{}' is a {} shader; a {} shader is needed here",
+                                             use.code ? program.name : use.name, program.kind, kind));
+  return false;
+}
+
+Result<shading::BoundGroup> bindGroup(const scene::ShaderUse& use, std::string_view kind, const ShaderSources& sources,
+                                      Diagnostics& warnings) {
+  const auto group = GroupBuilder(sources.layers, sources.library, warnings).build(use);
+  if (!group) return group.errors();
+  Diagnostics errors;
+  if (!isOfKind(use, *group->layers.back().program, kind, errors)) return errors;
+  return sources.groups.bind(*group, warnings);
+}
+
+Result<shading::BoundGroup> bindSingle(const scene::ShaderUse& use, std::string_view kind, const ShaderSources& sources,
+                                       Diagnostics& warnings) {
+  const auto program = sources.library.find(use.name, use.nameLocation, warnings);
+  if (!program) return program.errors();
+  Diagnostics errors;
+  if (!isOfKind(use, **program, kind, errors)) return errors;
+  shading::BoundGroup bound{*program, {}};
+  for (const scene::ShaderParameter& parameter : use.parameters) {
+    auto value = givenValue(**program, parameter, errors);
+    const auto index = shading::findParameter(**program, parameter.name);
+    if (value && index) bound.values.push_back({*index, std::move(value->value)});
+  }
+  if (errors.hasErrors()) return errors;
+  return bound;
+}
+
 }  // namespace
 
 lang::Constant constantOf(const scene::Value& value) {
@@ -111,39 +145,35 @@ lang::Constant constantOf(const scene::Value& value) {
   return {type(), shaderValue(value)};
 }
 
-Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
-                                        const Transform<World, Object>& objectToWorld, shading::ShaderLibrary& library,
-                                        shading::ShadingSystem& shading, Diagnostics& warnings) {
-  const auto program = library.find(use.name, use.nameLocation, warnings);
-  if (!program) return program.errors();
-  const lang::Program& p = **program;
-  Diagnostics errors;
-  if (p.kind != kind && p.kind != "shader") {
-    errors.error(use.nameLocation,
-                 fmt::format("'{}' is a {} shader; a {} shader is needed here", use.name, p.kind, kind));
-    return errors;
+std::optional<lang::GivenValue> givenValue(const lang::Program& program, const scene::ShaderParameter& parameter,
+                                           Diagnostics& errors) {
+  const std::optional<std::uint32_t> index = shading::findParameter(program, parameter.name);
+  if (!index) {
+    errors.add(unknownParameter(program, parameter));
+    return std::nullopt;
   }
+  const lang::Type& type = program.parameters[*index].type;
+  const std::optional<ValueType> wanted = sceneType(type);
+  const std::optional<scene::Value> value = wanted ? parameter.convertTo(*wanted) : std::nullopt;
+  if (!value) {
+    errors.error(parameter.valueLocation,
+                 fmt::format("parameter '{}' of shader '{}' is a {}; {} does not fit", parameter.name, program.name,
+                             lang::toString(type), scene::name(scene::typeOf(parameter.value))));
+    return std::nullopt;
+  }
+  return lang::GivenValue{parameter.name, type, shaderValue(*value), parameter.location};
+}
+
+Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
+                                        const Transform<World, Object>& objectToWorld, const ShaderSources& sources,
+                                        shading::ShadingSystem& shading, Diagnostics& warnings) {
+  const bool isGroup = use.code || !use.inputs.empty();
+  auto bound = isGroup ? bindGroup(use, kind, sources, warnings) : bindSingle(use, kind, sources, warnings);
+  if (!bound) return bound.errors();
   shading::Instance instance;
   instance.objectToWorld = objectToWorld;
-  for (const scene::ShaderParameter& parameter : use.parameters) {
-    const std::optional<std::uint32_t> index = shading::findParameter(p, parameter.name);
-    if (!index) {
-      errors.add(unknownParameter(p, parameter));
-      continue;
-    }
-    const lang::Type& type = p.parameters[*index].type;
-    const std::optional<ValueType> wanted = sceneType(type);
-    const std::optional<scene::Value> value = wanted ? parameter.convertTo(*wanted) : std::nullopt;
-    if (!value) {
-      errors.error(parameter.valueLocation,
-                   fmt::format("parameter '{}' of shader '{}' is a {}; {} does not fit", parameter.name, p.name,
-                               lang::toString(type), scene::name(scene::typeOf(parameter.value))));
-      continue;
-    }
-    instance.values.push_back({*index, shaderValue(*value)});
-  }
-  if (errors.hasErrors()) return errors;
-  return shading.add(*program, std::move(instance));
+  instance.values = std::move(bound->values);
+  return shading.add(std::move(bound->program), std::move(instance));
 }
 
 }  // namespace aerosol::render

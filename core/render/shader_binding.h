@@ -5,15 +5,24 @@
 
 #include "core/lang/fold.h"
 #include "core/scene/description.h"
+#include "core/shading/group_library.h"
 #include "core/shading/shader_library.h"
 #include "core/shading/shading_system.h"
 
 namespace aerosol::render {
 
-/// Finds the program, checks that it is of `kind` ("volume", "surface"), and converts the parameters to the types that
-/// it declares. Every unknown parameter and every value that does not fit is an error at its place.
+/// Where shaders come from.
+struct ShaderSources {
+  shading::ShaderLibrary& library;
+  shading::GroupLibrary& groups;
+  const std::vector<scene::ShaderUse>& layers;  ///< Of the scene.
+};
+
+/// Finds the program or builds the group, checks that it is of `kind` ("volume", "surface"), and converts the
+/// parameters to the types that it declares. Every unknown parameter and every value that does not fit is an error at
+/// its place.
 Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
-                                        const Transform<World, Object>& objectToWorld, shading::ShaderLibrary& library,
+                                        const Transform<World, Object>& objectToWorld, const ShaderSources& sources,
                                         shading::ShadingSystem& shading, Diagnostics& warnings);
 
 /// A scene's value as one of the shading language.

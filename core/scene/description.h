@@ -43,10 +43,33 @@ struct ShaderParameter {
   std::optional<Value> convertTo(ValueType type) const { return convert(value, type, untyped); }
 };
 
-/// A shader by name with its parameters, which its own interface decides about later.
+/// Index into `SceneDescription::materials`, `media` or `layers`.
+using Index = std::size_t;
+
+/// A layer connected to a parameter: a nested `<texture>`, or a `<ref>` to one.
+struct ShaderInput {
+  std::string parameter;  ///< Or a part of one, `c.r`; empty: the first closure parameter that is not connected yet.
+  std::string output;     ///< Of the layer; empty: the first that fits.
+  Index layer = 0;        ///< Into `SceneDescription::layers`.
+  SourceLocation location;
+  SourceLocation outputLocation;
+};
+
+/// What a shader does, given by the scene instead of a name on the search path.
+struct ShaderCode {
+  bool isGroup = false;  ///< The text of a shader group; otherwise a source.
+  std::string text;
+  std::filesystem::path file;  ///< Of a source: instead of the text, when not empty.
+  SourceLocation location;     ///< Of the text's first byte.
+};
+
+/// A shader by name with its parameters, which its own interface decides about later. Parameters of layers of a group
+/// are called `layer.parameter`.
 struct ShaderUse {
   std::string name;
   std::vector<ShaderParameter> parameters;
+  std::vector<ShaderInput> inputs;
+  std::optional<ShaderCode> code;
   Origin origin;
   SourceLocation nameLocation;
 
@@ -76,9 +99,6 @@ struct Medium {
   ShaderUse shader;
   MediumSampling sampling;
 };
-
-/// Index into `SceneDescription::materials` or `media`.
-using Index = std::size_t;
 
 struct Integrator {
   std::string type = "path";
@@ -221,6 +241,7 @@ struct SceneDescription {
   Sampler sampler;
   std::vector<ShaderUse> materials;
   std::vector<Medium> media;
+  std::vector<ShaderUse> layers;  ///< Textures and other shaders that are connected to parameters.
   std::vector<Shape> shapes;
   std::vector<Volume> volumes;
   std::vector<Emitter> emitters;                  ///< All but area lights.

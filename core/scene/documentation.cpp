@@ -69,6 +69,21 @@ Parameters are written <TYPE name="…" value="…"/> with the types
     <translate x y z | value/>  <scale x y z | value/>  <rotate x y z | value, angle (degrees)/>
     <lookat origin target up/>  <matrix value (16 or 9 numbers, row by row)/>
 
+Shaders (bsdf, medium, texture) take other shaders as inputs of their parameters:
+  <texture name="PARAMETER" type="SHADER" output="…"> in a shader is a layer whose output feeds that parameter, or the
+  part of it that is named (c.r, p[0], a[2], s.field). Without output="…" it is the first output that fits. A bsdf in a
+  bsdf, or a medium in a medium, feeds a closure parameter. A layer with an id can be used many times by
+  <ref id="…" name="PARAMETER"/>: it is evaluated once, where something first reads it.
+
+A shader of type osl is written into the scene:
+  <source><![CDATA[ … ]]></source>  OSL source; or <source file="…"/>
+  <group><![CDATA[ … ]]></group>    a shader group, or <group file="…"/>, of which the last layer is the shader:
+    param TYPE NAME VALUE… ;  shader SHADER LAYER ;  connect LAYER.OUTPUT LAYER.PARAMETER ;
+    Its parameters are set as LAYER.NAME, by elements beside the group.
+
+--set shader.parameter=value and --set shader.layer.parameter=value change parameters; layer is the name of a layer of a
+group, or of the parameter that a texture feeds.
+
 )";
 
 }  // namespace
@@ -87,18 +102,26 @@ std::vector<ObjectDoc> objectDocs(const KnownTypes& known) {
     for (const ParameterSpec& spec : specsOf(samplingFields())) object.parameters.push_back(spec);
     docs.push_back(std::move(object));
   }
-  docs.push_back({"medium",
-                  "SHADER",
-                  {},
-                  "a volume shader: SHADER.osl on the search path; its parameters, and",
-                  "phase, which gives the shader its parameter g",
-                  specsOf(samplingFields())});
+  docs.push_back(
+      {"medium",
+       "SHADER",
+       {},
+       "a volume shader: SHADER.osl on the search path; its parameters, and",
+       "texture, medium named as the parameter they feed; phase, which gives the shader its parameter g; source "
+       "or group",
+       specsOf(samplingFields())});
   addTables("phase", phaseTypes(), docs);
   docs.push_back({"bsdf",
                   "SHADER",
                   {},
                   "a surface shader: diffuse, null, or SHADER.osl on the search path; its parameters",
+                  "texture, bsdf named as the parameter they feed; source or group",
+                  {}});
+  docs.push_back({"texture",
+                  "SHADER",
                   {},
+                  "a layer: a shader on the search path with outputs; its parameters",
+                  "texture named as the parameter it feeds; source or group",
                   {}});
   addTables("emitter", emitterTypes(), docs);
   return docs;

@@ -21,6 +21,14 @@ struct Property {
   SourceLocation valueLocation;
 };
 
+/// What a shader does, written into the scene or standing in a file: `<source>` or `<group>`.
+struct Code {
+  std::string tag;
+  std::string text;
+  SourceLocation location;                    ///< Of the first byte of the text, or of the file's name.
+  std::optional<std::filesystem::path> file;  ///< Instead of the text.
+};
+
 /// One object, or with the tag `ref` the mention of one by `id`.
 struct Element {
   std::string tag;
@@ -33,6 +41,9 @@ struct Element {
   SourceLocation nameLocation;
   std::vector<Property> properties;
   std::vector<Element> children;
+  std::string output = {};  ///< Of a layer: which of its outputs is meant.
+  SourceLocation outputLocation = {};
+  std::optional<Code> code = {};
 };
 
 /// `<alias id="existing" as="other"/>`: a second id.

@@ -93,8 +93,16 @@ std::string setNamedValue(const VolumeType& type, Volume& volume, const Assignme
   return {};
 }
 
-/// The scene tells a parameter's type when it writes one; otherwise the text is guessed and marked as such.
-std::string setShaderParameter(ShaderUse& shader, const Assignment& a) {
+/// The scene tells a parameter's type when it writes one; otherwise the text is guessed and marked as such. What is
+/// called `input.parameter` is a parameter of the layer that is connected there.
+std::string setShaderParameter(SceneDescription& scene, ShaderUse& shader, const Assignment& a) {
+  for (const ShaderInput& input : shader.inputs) {
+    if (input.parameter.empty() || !a.parameter.starts_with(input.parameter + ".")) continue;
+    Assignment inner = a;
+    inner.parameter = a.parameter.substr(input.parameter.size() + 1);
+    return setShaderParameter(scene, scene.layers[input.layer], inner);
+  }
+  std::erase_if(shader.inputs, [&](const ShaderInput& input) { return input.parameter == a.parameter; });
   ShaderParameter changed{a.parameter, guessValue(a.value), a.location, a.location, true};
   const auto written = std::find_if(shader.parameters.begin(), shader.parameters.end(),
                                     [&](const ShaderParameter& p) { return p.name == a.parameter; });
@@ -120,7 +128,7 @@ std::string setShaderParameter(ShaderUse& shader, const Assignment& a) {
 /// All that `--set` can reach in a scene.
 class Targets {
  public:
-  Targets(SceneDescription& scene, const KnownTypes& known) : known_(known) {
+  Targets(SceneDescription& scene, const KnownTypes& known) : scene_(scene), known_(known) {
     addFields("integrator", scene.integrator.type, integratorTypes().front().fields, scene.integrator);
     addFields("sensor", sensorTypes(), scene.sensor);
     addFields("film", "hdrfilm", filmTypes().front().fields, scene.film);
@@ -132,7 +140,8 @@ class Targets {
     }
     for (Emitter& emitter : scene.emitters) addFields("emitter", emitterTypes(), emitter);
     for (Volume& volume : scene.volumes) addVolume(volume);
-    for (ShaderUse& material : scene.materials) addMaterial(material);
+    for (ShaderUse& material : scene.materials) addShader("bsdf", material);
+    for (ShaderUse& layer : scene.layers) addShader("texture", layer);
     for (Medium& medium : scene.media) addMedium(medium);
   }
 
@@ -185,23 +194,24 @@ class Targets {
     targets_.push_back(std::move(target));
   }
 
-  void addMaterial(ShaderUse& shader) {
-    Target target{"bsdf", shader.name, shader.origin.id, {}, true, {}};
+  void addShader(const char* kind, ShaderUse& shader) {
+    Target target{kind, shader.name, shader.origin.id, {}, true, {}};
     for (const ShaderParameter& p : shader.parameters) target.parameters.push_back(p.name);
-    target.set = [&shader](const Assignment& a) { return setShaderParameter(shader, a); };
+    target.set = [this, &shader](const Assignment& a) { return setShaderParameter(scene_, shader, a); };
     targets_.push_back(std::move(target));
   }
 
   void addMedium(Medium& medium) {
     Target target{"medium", medium.shader.name, medium.shader.origin.id, namesOf(samplingFields()), true, {}};
     for (const ShaderParameter& p : medium.shader.parameters) target.parameters.push_back(p.name);
-    target.set = [&medium](const Assignment& a) {
-      if (!findField(samplingFields(), a.parameter)) return setShaderParameter(medium.shader, a);
+    target.set = [this, &medium](const Assignment& a) {
+      if (!findField(samplingFields(), a.parameter)) return setShaderParameter(scene_, medium.shader, a);
       return setField(samplingFields(), medium.sampling, medium.shader.origin, a);
     };
     targets_.push_back(std::move(target));
   }
 
+  SceneDescription& scene_;
   const KnownTypes& known_;
   std::vector<Target> targets_;
 };
@@ -225,13 +235,22 @@ void findChangedFiles(SceneDescription& scene, const SourceLocation& location, R
 
 void applyOverride(SceneDescription& scene, const std::string& assignment, const KnownTypes& known,
                    Reporter& reporter) {
-  const std::optional<Assignment> a = split(assignment);
+  std::optional<Assignment> a = split(assignment);
   if (!a) {
     reporter.error({"--set " + assignment, 0, 0}, "an assignment is written target.parameter=value");
     return;
   }
   const Targets targets(scene, known);
-  const std::vector<const Target*> found = targets.find(a->target);
+  std::vector<const Target*> found = targets.find(a->target);
+  // `shader.layer.parameter`: what stands before the last dot may begin with the layer.
+  Assignment shorter = *a;
+  for (std::size_t dot; found.empty() && (dot = shorter.target.rfind('.')) != std::string::npos;) {
+    shorter.parameter = shorter.target.substr(dot + 1) + "." + shorter.parameter;
+    shorter.target.resize(dot);
+    found = targets.find(shorter.target);
+    std::erase_if(found, [](const Target* target) { return !target->takesAny; });
+    if (!found.empty()) a = shorter;
+  }
   if (found.empty()) {
     reporter.error(a->location, fmt::format("nothing in the scene is called '{}'", a->target),
                    alternatives(a->target, targets.names(), "targets:"));

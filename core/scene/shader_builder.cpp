@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "core/scene/property_reader.h"
@@ -9,7 +10,17 @@
 
 namespace aerosol::scene {
 
-ShaderUse ShaderBuilder::shaderOf(const Element& element, const std::vector<const Property*>& properties) const {
+namespace {
+
+/// What may stand in a shader element as a layer.
+std::vector<std::string> nestedTags(const std::string& tag) {
+  if (tag == "medium") return {"texture", "medium", "phase"};
+  return tag == "bsdf" ? std::vector<std::string>{"texture", "bsdf"} : std::vector<std::string>{"texture"};
+}
+
+}  // namespace
+
+ShaderUse ShaderBuilder::shaderOf(const Element& element, const std::vector<const Property*>& properties) {
   ShaderUse shader;
   shader.name = element.type;
   shader.nameLocation = element.typeLocation;
@@ -20,7 +31,55 @@ ShaderUse ShaderBuilder::shaderOf(const Element& element, const std::vector<cons
     shader.parameters.push_back({property->name, *property->value, property->nameLocation, property->valueLocation});
     shader.origin.parameters[property->name] = property->valueLocation;
   }
+  if (element.code) {
+    const Code& code = *element.code;
+    shader.code = {code.tag == "group", code.text, {}, code.location};
+    if (code.tag == "source" && code.file) shader.code->file = *code.file;
+  }
+  if (element.code.has_value() != (element.type == "osl")) {
+    reporter_.error(element.typeLocation,
+                    element.code ? fmt::format("a {} with <{}> is of type osl", element.tag, element.code->tag)
+                                 : fmt::format("a {} of type osl needs its <source> or <group>", element.tag));
+  }
   return shader;
+}
+
+void ShaderBuilder::addInputs(const std::vector<Child>& children, ShaderUse& shader) {
+  for (const Child& child : children) {
+    if (child.object->tag == "phase") continue;
+    const std::optional<Index> index = layer(child);
+    if (!index) continue;
+    const std::string& name = child.use->name;
+    const ShaderParameter* written = name.empty() ? nullptr : shader.find(name);
+    const auto same = std::find_if(shader.inputs.begin(), shader.inputs.end(),
+                                   [&](const ShaderInput& input) { return !name.empty() && input.parameter == name; });
+    const SourceLocation& place = name.empty() ? child.use->location : child.use->nameLocation;
+    if (written || same != shader.inputs.end()) {
+      reporter_.error(place, fmt::format("parameter '{}' is given twice", name),
+                      {fmt::format("the first one is at {}", format(written ? written->location : same->location))});
+      continue;
+    }
+    if (!name.empty()) shader.origin.parameters[name] = place;
+    shader.inputs.push_back({name, child.use->output, *index, place, child.use->outputLocation});
+  }
+}
+
+/// Layers are shared by all that refer to them; they cannot be connected in circles.
+std::optional<Index> ShaderBuilder::layer(const Child& child) {
+  const Element* element = child.object;
+  if (std::find(open_.begin(), open_.end(), element) != open_.end()) {
+    reporter_.error(child.use->idLocation, fmt::format("'{}' is connected to itself", child.use->id));
+    return std::nullopt;
+  }
+  if (const auto known = layers_.find(element); known != layers_.end()) return known->second;
+  open_.push_back(element);
+  std::vector<const Property*> properties;
+  for (const Property& property : element->properties) properties.push_back(&property);
+  ShaderUse shader = shaderOf(*element, properties);
+  addInputs(ids_.children(*element, nestedTags(element->tag), reporter_), shader);
+  open_.pop_back();
+  scene_.layers.push_back(std::move(shader));
+  return layers_[element] = scene_.layers.size() - 1;
 }
 
 Index ShaderBuilder::material(const Element& element) {
@@ -28,9 +87,12 @@ Index ShaderBuilder::material(const Element& element) {
   if (!isNew) return entry->second;
   std::vector<const Property*> properties;
   for (const Property& property : element.properties) properties.push_back(&property);
-  ids_.children(element, {}, reporter_);
+  const Index index = entry->second;
   scene_.materials.push_back(shaderOf(element, properties));
-  return entry->second;
+  open_.push_back(&element);
+  addInputs(ids_.children(element, nestedTags(element.tag), reporter_), scene_.materials[index]);
+  open_.pop_back();
+  return index;
 }
 
 Index ShaderBuilder::medium(const Element& element) {
@@ -42,15 +104,19 @@ Index ShaderBuilder::medium(const Element& element) {
   reader.apply(samplingFields(), medium.sampling);
   medium.shader = shaderOf(element, reader.rest());
   medium.shader.origin.parameters.merge(origin.parameters);
-  addPhase(element, medium.shader);
+  const std::vector<Child> children = ids_.children(element, nestedTags(element.tag), reporter_);
+  addPhase(children, medium.shader);
+  open_.push_back(&element);
+  addInputs(children, medium.shader);
+  open_.pop_back();
   scene_.media.push_back(std::move(medium));
   return entry->second;
 }
 
 /// Mitsuba writes the phase function as an object of its own; here it is part of the medium's shader, which gets the
 /// object's parameter `g` as its own.
-void ShaderBuilder::addPhase(const Element& medium, ShaderUse& shader) {
-  const Child phase = IdTable::single(ids_.children(medium, {"phase"}, reporter_), "phase", reporter_);
+void ShaderBuilder::addPhase(const std::vector<Child>& children, ShaderUse& shader) {
+  const Child phase = IdTable::single(children, "phase", reporter_);
   if (!phase.object) return;
   PhaseFunction function;
   const TypeTable<PhaseFunction>* type = readTyped(*phase.object, phaseTypes(), function, reporter_);

@@ -1,4 +1,4 @@
-// `<bsdf>` and `<medium>`: shaders by name with whatever parameters they are given.
+// `<bsdf>`, `<medium>` and `<texture>`: shaders by name with whatever parameters they are given.
 #pragma once
 
 #include <map>
@@ -23,14 +23,18 @@ class ShaderBuilder {
   Index defaultMaterial(const SourceLocation& shape, bool emits);
 
  private:
-  ShaderUse shaderOf(const Element& element, const std::vector<const Property*>& properties) const;
-  void addPhase(const Element& medium, ShaderUse& shader);
+  ShaderUse shaderOf(const Element& element, const std::vector<const Property*>& properties);
+  void addInputs(const std::vector<Child>& children, ShaderUse& shader);
+  std::optional<Index> layer(const Child& child);
+  void addPhase(const std::vector<Child>& children, ShaderUse& shader);
 
   SceneDescription& scene_;
   IdTable& ids_;
   Reporter& reporter_;
   std::map<const Element*, Index> materials_;
   std::map<const Element*, Index> media_;
+  std::map<const Element*, Index> layers_;
+  std::vector<const Element*> open_;  ///< Layers around the one that is being built.
   std::optional<Index> grey_;
   std::optional<Index> black_;
 };

@@ -33,6 +33,8 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+bool isShader(const std::string& tag) { return tag == "bsdf" || tag == "medium" || tag == "texture"; }
+
 ValueType typeOfTag(const std::string& tag) {
   if (tag == "float") return ValueType::number;
   if (tag == "integer") return ValueType::integer;
@@ -137,16 +139,19 @@ class TreeReader {
     if (contains(propertyTags(), xml.tag)) return readProperty(xml, object);
     if (contains(objectTags(), xml.tag)) return readObject(xml, object);
     if (xml.tag == "ref") return readReference(xml, object);
+    if (isShader(object.tag) && (xml.tag == "source" || xml.tag == "group")) return readCode(xml, object);
     if (xml.tag == "include") return readInclude(xml, object);
     std::vector<std::string> valid = propertyTags();
     valid.insert(valid.end(), {"ref", "include"});
+    if (isShader(object.tag)) valid.insert(valid.end(), {"source", "group"});
     valid.insert(valid.end(), objectTags().begin(), objectTags().end());
     reportElement(xml, object.tag, valid);
   }
 
   void reportElement(const XmlElement& xml, const std::string& parent, const std::vector<std::string>& valid) {
     const bool known = contains(objectTags(), xml.tag) || contains(propertyTags(), xml.tag) ||
-                       contains(directiveTags(), xml.tag) || xml.tag == "ref" || xml.tag == "scene";
+                       contains(directiveTags(), xml.tag) || xml.tag == "ref" || xml.tag == "scene" ||
+                       xml.tag == "source" || xml.tag == "group";
     const std::string message = known ? fmt::format("<{}> does not belong in <{}>", xml.tag, parent)
                                       : fmt::format("unknown element <{}> in <{}>", xml.tag, parent);
     reporter_.error(at(xml), message, alternatives(xml.tag, valid, "valid here:"));
@@ -260,6 +265,7 @@ class TreeReader {
 
   void readObject(const XmlElement& xml, Element& parent, bool isRoot = false) {
     std::vector<std::string> optional = {"id", "name"};
+    if (isShader(xml.tag)) optional.emplace_back("output");
     if (isRoot) optional.emplace_back("version");
     const Attributes attributes(xml, {"type"}, optional, context());
     if (const Attribute* version = attributes.find("version")) checkVersion(*version);
@@ -273,13 +279,15 @@ class TreeReader {
                    .nameLocation = attributes.at("name"),
                    .properties = {},
                    .children = {}};
+    object.output = attributes.text("output");
+    object.outputLocation = attributes.at("output");
     if (attributes.has("id") && object.id.empty()) reporter_.error(object.idLocation, "attribute 'id' is empty");
     for (const XmlElement& child : xml.children) readObjectChild(child, object);
     parent.children.push_back(std::move(object));
   }
 
   void readReference(const XmlElement& xml, Element& parent) {
-    const Attributes attributes(xml, {"id"}, {"name"}, context());
+    const Attributes attributes(xml, {"id"}, {"name", "output"}, context());
     expectNoChildren(xml);
     if (!attributes.valid()) return;
     parent.children.push_back({.tag = "ref",
@@ -291,7 +299,53 @@ class TreeReader {
                                .idLocation = attributes.at("id"),
                                .nameLocation = attributes.at("name"),
                                .properties = {},
-                               .children = {}});
+                               .children = {},
+                               .output = attributes.text("output"),
+                               .outputLocation = attributes.at("output"),
+                               .code = {}});
+  }
+
+  /// `<source>` or `<group>`: text, or a file.
+  void readCode(const XmlElement& xml, Element& object) {
+    const Attributes attributes(xml, {}, {"file"}, context());
+    expectNoChildren(xml);
+    if (!attributes.valid()) return;
+    if (object.code) {
+      reporter_.error(at(xml),
+                      fmt::format("a second description of the shader: <{}> was given before", object.code->tag));
+      return;
+    }
+    Code code{xml.tag, xml.text, source().at(xml.textOffset), std::nullopt};
+    if (attributes.has("file") == !xml.text.empty()) {
+      reporter_.error(at(xml), fmt::format("<{}> needs either text or a 'file'", xml.tag));
+      return;
+    }
+    if (attributes.has("file")) {
+      const std::string name = attributes.text("file");
+      code.location = attributes.at("file");
+      const auto path = findFile(name, source().directory(), tree_.searchPath);
+      if (!path) {
+        reporter_.error(code.location, fmt::format("there is no file '{}'", name),
+                        {describeSearch(name, source().directory(), tree_.searchPath)});
+        return;
+      }
+      code.file = *path;
+      if (xml.tag == "group" && !readGroupFile(code)) return;
+    }
+    object.code = std::move(code);
+  }
+
+  bool readGroupFile(Code& code) {
+    std::string why;
+    auto text = readFile(*code.file, why);
+    if (!text) {
+      reporter_.error(code.location, fmt::format("'{}' cannot be read: {}", code.file->string(), why));
+      return false;
+    }
+    const SourceText& kept = texts_.add(code.file->string(), std::move(*text), code.file->parent_path());
+    code.text = kept.text();
+    code.location = kept.at(0);
+    return true;
   }
 
   void readProperty(const XmlElement& xml, Element& object) {
@@ -385,7 +439,7 @@ class TreeReader {
 
 const std::vector<std::string>& objectTags() {
   static const std::vector<std::string> tags = {"integrator", "sensor", "film",   "sampler", "rfilter", "shape",
-                                                "volume",     "bsdf",   "medium", "emitter", "phase"};
+                                                "volume",     "bsdf",   "medium", "texture", "emitter", "phase"};
   return tags;
 }
 

@@ -20,10 +20,12 @@ struct XmlAttribute {
   bool exact = true;  ///< Byte i of the value is byte `valueOffset` + i of the file (no entity was replaced).
 };
 
-/// An element; `offset` is that of its `<`.
+/// An element; `offset` is that of its `<`. Text stands in `source` and `group` alone.
 struct XmlElement {
   std::string tag;
   std::size_t offset = 0;
+  std::string text = {};
+  std::size_t textOffset = 0;  ///< Of the first byte of the text.
   std::vector<XmlAttribute> attributes;
   std::vector<XmlElement> children;
 };

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What the cache keeps of a source: the program, and the files that must be as they were for it to hold.
+/// What the cache keeps of a source: its layer, and the files that must be as they were for it to hold.
 struct Manifest {
   std::vector<std::string> paths;
   std::vector<std::string> hashes;
@@ -55,7 +55,7 @@ void intoCache(jit::ObjectCache& cache, const std::string& key, const lang::Comp
     manifest.paths.push_back(dependency.path.string());
     manifest.hashes.push_back(dependency.contentHash);
   }
-  manifest.program = lang::serialise(*source.program);
+  manifest.program = lang::serialise(*source.layer);
   ArchiveWriter writer;
   describeManifest(writer, manifest);
   cache.put(key, writer.take());
@@ -81,21 +81,26 @@ std::vector<std::string> ShaderLibrary::names() const {
   for (const fs::path& folder : folders()) {
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-      if (entry.path().extension() == ".osl") names.insert(entry.path().stem().string());
+      const fs::path extension = entry.path().extension();
+      if (extension == ".osl" || extension == ".oso") names.insert(entry.path().stem().string());
     }
   }
   return {names.begin(), names.end()};
 }
 
-Result<std::shared_ptr<const lang::Program>> ShaderLibrary::find(const std::string& name, const SourceLocation& use,
-                                                                 Diagnostics& warnings) {
+Result<fs::path> ShaderLibrary::fileOf(const std::string& name, const SourceLocation& use) const {
   if (name.empty() || name.find('/') != std::string::npos) {
     return Diagnostic{Severity::error, use, fmt::format("'{}' is not a shader name", name), {}, {}};
   }
   for (const fs::path& folder : folders()) {
-    const fs::path file = folder / (name + ".osl");
+    const fs::path source = folder / (name + ".osl"), compiled = folder / (name + ".oso");
     std::error_code ignored;
-    if (fs::is_regular_file(file, ignored)) return load(file, warnings);
+    const bool hasSource = fs::is_regular_file(source, ignored);
+    if (fs::is_regular_file(compiled, ignored)) {
+      const bool isOlder = hasSource && fs::last_write_time(compiled, ignored) < fs::last_write_time(source, ignored);
+      return isOlder ? source : compiled;
+    }
+    if (hasSource) return source;
   }
   Diagnostic missing{Severity::error, use, fmt::format("unknown shader '{}'", name), {}, {}};
   const std::vector<std::string> known = names();
@@ -104,6 +109,21 @@ Result<std::shared_ptr<const lang::Program>> ShaderLibrary::find(const std::stri
   for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
   missing.notes.push_back(known.empty() ? "the shader search path has no shaders" : "known shaders: " + list);
   return missing;
+}
+
+Result<std::shared_ptr<const lang::Program>> ShaderLibrary::find(const std::string& name, const SourceLocation& use,
+                                                                 Diagnostics& warnings) {
+  const auto file = fileOf(name, use);
+  if (!file) return file.errors();
+  return load(*file, warnings);
+}
+
+Result<std::shared_ptr<const lang::Program>> ShaderLibrary::findLayer(const std::string& name,
+                                                                      const SourceLocation& use,
+                                                                      Diagnostics& warnings) {
+  const auto file = fileOf(name, use);
+  if (!file) return file.errors();
+  return loadLayer(*file, warnings);
 }
 
 std::string ShaderLibrary::manifestKey(const fs::path& file, const fs::path& absolute) const {
@@ -120,20 +140,50 @@ std::string ShaderLibrary::manifestKey(const fs::path& file, const fs::path& abs
 }
 
 Result<std::shared_ptr<const lang::Program>> ShaderLibrary::load(const fs::path& file, Diagnostics& warnings) {
+  auto shader = loadShader(file, warnings);
+  if (!shader) return shader.errors();
+  return shader->program;
+}
+
+Result<std::shared_ptr<const lang::Program>> ShaderLibrary::loadLayer(const fs::path& file, Diagnostics& warnings) {
+  auto shader = loadShader(file, warnings);
+  if (!shader) return shader.errors();
+  return shader->layer;
+}
+
+Result<ShaderLibrary::Shader> ShaderLibrary::loadShader(const fs::path& file, Diagnostics& warnings) {
   std::error_code ignored;
   fs::path absolute = fs::absolute(file, ignored).lexically_normal();
   if (const auto known = loaded_.find(absolute); known != loaded_.end()) return known->second;
 
   const std::string key = manifestKey(file, absolute);
-  std::shared_ptr<const lang::Program> program = cache_ ? fromCache(*cache_, key) : nullptr;
-  if (!program) {
+  Shader shader;
+  if (cache_) shader.layer = fromCache(*cache_, key);
+  if (shader.layer) {
+    shader.program = lang::programOf(*shader.layer);
+  } else {
     auto compiled = lang::compileFile(file, options_);
     if (!compiled) return compiled.errors();
     warnings.append(compiled->warnings);
     if (cache_) intoCache(*cache_, key, *compiled);
-    program = compiled->program;
+    shader = {compiled->program, compiled->layer};
   }
-  return loaded_[absolute] = program;
+  return loaded_[absolute] = shader;
+}
+
+Result<std::shared_ptr<const lang::Program>> ShaderLibrary::compileLayer(const std::string& text,
+                                                                         const SourceLocation& place,
+                                                                         Diagnostics& warnings) {
+  auto& known = texts_[format(Diagnostic{Severity::note, place, {}, {}, {}}) + text];
+  if (known) return known;
+  // Blank lines and blanks in front, so that lines and columns are those of the file around the text.
+  const auto count = [](int value) { return static_cast<std::size_t>(std::max(0, value - 1)); };
+  const std::string padded = std::string(count(place.line), '\n') + std::string(count(place.column), ' ') + text;
+  auto compiled = lang::compileString(padded, place.file, options_);
+  if (!compiled) return compiled.errors();
+  warnings.append(compiled->warnings);
+  known = compiled->layer;
+  return known;
 }
 
 Result<std::shared_ptr<const lang::Program>> ShaderLibrary::compile(const std::string& text, const std::string& name,

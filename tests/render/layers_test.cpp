@@ -1,0 +1,109 @@
+#include <fmt/format.h>
+
+#include "tests/render/film_checks.h"
+
+// Shaders made of layers, on volumes and surfaces, against closed forms.
+
+namespace aerosol::test {
+namespace {
+
+constexpr const char* sky = R"(<emitter type="constant"><rgb name="radiance" value="1, 2, 0.5"/></emitter>)";
+const Color skyColor(1, 2, 0.5f);
+
+/// A box across the view, from z = -1 to z = 1.
+std::string slab(const std::string& medium) {
+  return fmt::format(
+      R"(<volume type="box"><transform name="to_world"><scale x="50" y="50" z="1"/></transform>{}</volume>)", medium);
+}
+
+double slabLength(const Ray<World>& ray) { return 2 / static_cast<double>(ray.direction.z); }
+
+/// A wall at z = 0 that faces the camera.
+std::string wall(const std::string& bsdf, const std::string& more = "") {
+  return fmt::format(R"({}<shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/>
+      <scale value="50"/></transform>{}</shape>)",
+                     more, bsdf);
+}
+
+bool isLeft(const Ray<World>& ray) { return ray.direction.x < 0; }
+
+/// ∫ (a + b z) dz over the slab is 2 a.
+Color rampTransmittance(const Ray<World>& ray) {
+  return skyColor * exp(Color(1.0f) * static_cast<float>(-0.6 * slabLength(ray)));
+}
+
+TEST(Layers, ATextureFeedsAMedium) {
+  const TestScene scene = loadScene("", {.fov = 60}, std::string(sky) + slab(R"(<medium type="homogeneous">
+      <rgb name="albedo" value="0"/><float name="density_bound" value="1.2"/><string name="distance" value="null"/>
+      <texture name="sigma_t" type="line" output="value"><float name="at_zero" value="0.6"/><float name="slope" value="0.5"/></texture>
+      </medium>)"));
+  const auto film = scene.render(1024);
+  EXPECT_TRUE(shows(scene, *film, rampTransmittance));
+}
+
+TEST(Layers, AGroupOfTextIsAMedium) {
+  const TestScene scene = loadScene("", {.fov = 60}, std::string(sky) + slab(R"(<medium type="osl">
+      <float name="density_bound" value="1.2"/><float name="ramp.slope" value="0.5"/><string name="distance" value="null"/>
+      <group><![CDATA[
+        param float at_zero 0.6 ;
+        shader line ramp ;
+        param color albedo 0 ;
+        shader homogeneous fog ;
+        connect ramp.value fog.sigma_t ;
+      ]]></group></medium>)"));
+  const auto film = scene.render(1024);
+  EXPECT_TRUE(shows(scene, *film, rampTransmittance));
+}
+
+TEST(Layers, ASourceInTheSceneIsAMedium) {
+  const TestScene scene = loadScene("", {.fov = 60}, std::string(sky) + slab(R"(<medium type="osl">
+      <float name="density_bound" value="1.2"/><float name="slope" value="0.5"/><string name="distance" value="null"/>
+      <source><![CDATA[
+        volume inline_ramp(float slope = 0) {
+          Ci = anisotropic_vdf(0, color(0.6 + slope * P[2]), 0);
+        }
+      ]]></source></medium>)"));
+  const auto film = scene.render(1024);
+  EXPECT_TRUE(shows(scene, *film, rampTransmittance));
+}
+
+TEST(Layers, ATextureFeedsASurface) {
+  const TestScene scene = loadScene("", {.fov = 40},
+                                    wall(R"(<bsdf type="diffuse">
+      <texture name="reflectance" type="line"/></bsdf>)",
+                                         sky));
+  const auto film = scene.render(256);
+  EXPECT_TRUE(shows(scene, *film, [](const Ray<World>& ray) {
+    return skyColor * (isLeft(ray) ? Color(0.1f, 0.6f, 0.3f) : Color(0.8f, 0.2f, 0.4f));
+  }));
+}
+
+TEST(Layers, OneLayerFeedsPartsOfSeveralShaders) {
+  // Red of one material and green of another, both from one texture.
+  const TestScene scene = loadScene("", {.fov = 40},
+                                    wall(R"(<bsdf type="blend"><float name="weight" value="0.25"/>
+      <bsdf name="first" type="diffuse"><rgb name="reflectance" value="0"/>
+        <ref id="sides" name="reflectance.r" output="sides[0]"/></bsdf>
+      <bsdf name="second" type="diffuse"><rgb name="reflectance" value="0"/>
+        <ref id="sides" name="reflectance.g" output="sides.g"/></bsdf></bsdf>)",
+                                         std::string(sky) + R"(<texture id="sides" type="line"/>)"));
+  const auto film = scene.render(256);
+  EXPECT_TRUE(shows(scene, *film, [](const Ray<World>& ray) {
+    return skyColor * (isLeft(ray) ? Color(0.75f * 0.1f, 0.25f * 0.6f, 0) : Color(0.75f * 0.8f, 0.25f * 0.2f, 0));
+  }));
+}
+
+TEST(Layers, InstancesOfOneStructureShareKernels) {
+  std::string shapes;
+  for (int i = 0; i < 4; ++i) {
+    shapes += fmt::format(R"(<shape type="sphere"><bsdf type="diffuse"><texture name="reflectance" type="line">
+        <rgb name="left" value="0.{}"/></texture></bsdf></shape>)",
+                          i + 1);
+  }
+  const TestScene scene = loadScene("", {}, std::string(sky) + shapes);
+  ASSERT_NE(scene.scene(), nullptr);
+  EXPECT_EQ(scene.scene()->shading.families().size(), 1u);
+}
+
+}  // namespace
+}  // namespace aerosol::test
