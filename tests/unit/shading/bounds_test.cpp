@@ -59,7 +59,11 @@ struct Fixture {
 
   explicit Fixture(const std::shared_ptr<const lang::Program>& program,
                    const std::vector<Transform<World, Object>>& places = placements()) {
-    for (const auto& place : places) system.add(program, {{}, place, {}});
+    for (const auto& place : places) {
+      Instance instance;
+      instance.objectToWorld = place;
+      system.add(program, std::move(instance));
+    }
     const ShadingOptions options{{16, *jit::hostIsa()}, false};
     EXPECT_FALSE(system.compile(compiler(), options).hasErrors());
     EXPECT_FALSE(system.compileBounds(compiler(), options).hasErrors());
