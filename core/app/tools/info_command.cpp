@@ -9,7 +9,9 @@
 #include "core/app/quantity.h"
 #include "core/app/tools/option_table.h"
 #include "core/app/tools/shader_files.h"
+#include "core/app/voxel_report.h"
 #include "core/base/paths.h"
+#include "core/grid/grid_file.h"
 
 namespace aerosol::app {
 
@@ -45,7 +47,8 @@ lang::CompileOptions compileOptions(const Installation& installation) {
 std::string infoHelp() {
   InfoArguments info;
   return "Show what shaders take and give: types, defaults, metadata\n"
-         "Usage: aerosol info [OPTIONS] SHADER...   (in the manner of OSL's oslinfo)\n\n" +
+         "Usage: aerosol info [OPTIONS] SHADER...   (in the manner of OSL's oslinfo)\n"
+         "       aerosol info FILE.vdb...   lists the grids of OpenVDB files: types, bounds, values\n\n" +
          optionHelp(infoRows(info));
 }
 
@@ -74,6 +77,16 @@ ExitCode infoCommand(const ToolArguments& arguments, const Console& console) {
   folders.push_back(installation->shaders);
   bool allFound = true;
   for (const std::string& name : info.shaders) {
+    if (grid::isGridFile(name)) {
+      const auto file = grid::readGrids(name);
+      if (file) {
+        console.print(describeVoxels(name, **file));
+      } else {
+        console.report(file.errors());
+      }
+      allFound = allFound && file;
+      continue;
+    }
     const auto begin = std::chrono::steady_clock::now();
     const auto file = findShaderFile(name, folders);
     const auto shader = file ? lang::readShaderInterface(*file, compileOptions(*installation))

@@ -22,6 +22,7 @@ VoxelGridInfo describe(const openvdb::GridBase& grid) {
   info.purpose = openvdb::GridBase::gridClassToMenuName(grid.getGridClass());
   std::ranges::transform(info.purpose, info.purpose.begin(),
                          [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (info.purpose == "other") info.purpose = "unknown";
   info.activeVoxels = grid.activeVoxelCount();
   info.memoryBytes = grid.memUsage();
   const openvdb::CoordBBox box = grid.evalActiveVoxelBoundingBox();

@@ -1,0 +1,53 @@
+#include "core/app/voxel_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <span>
+
+namespace aerosol::app {
+
+namespace {
+
+/// "(1, 2, 3)", or "1" for a single channel.
+template <class T>
+std::string textOf(std::span<const T> values) {
+  return values.size() == 1 ? fmt::format("{:g}", values[0]) : fmt::format("({:g})", fmt::join(values, ", "));
+}
+
+std::string describeGrid(const VoxelGridInfo& info) {
+  std::string text = fmt::format("  \"{}\" {}, {}\n", info.name, info.type, info.purpose);
+  const auto line = [&](std::string_view name, const std::string& value) {
+    text += fmt::format("    {:<15}{}\n", name, value);
+  };
+  line("active voxels", std::to_string(info.activeVoxels));
+  if (!info.isEmpty) {
+    const std::span box(info.indexBounds);
+    line("index bounds", fmt::format("({}) to ({})", fmt::join(box.first(3), ", "), fmt::join(box.last(3), ", ")));
+    line("bounds", textOf(std::span<const double>(info.bounds).first(3)) + " to " +
+                       textOf(std::span<const double>(info.bounds).last(3)));
+  }
+  line("voxel size", textOf(std::span<const double>(info.voxelSize)));
+  if (!info.problem.empty()) {
+    line("cannot be read", info.problem);
+    return text;
+  }
+  const auto channels = static_cast<std::size_t>(info.channels);
+  line("background", textOf(std::span<const float>(info.background).first(channels)));
+  line("active values", textOf(std::span<const float>(info.least).first(channels)) + " to " +
+                            textOf(std::span<const float>(info.greatest).first(channels)));
+  line("NaN", std::to_string(info.nanValues));
+  line("infinite", std::to_string(info.infiniteValues));
+  line("memory", fmt::format("{:.1f} MB", static_cast<double>(info.memoryBytes) / 1e6));
+  return text;
+}
+
+}  // namespace
+
+std::string describeVoxels(const std::string& path, const VoxelFile& file) {
+  std::string text = fmt::format("OpenVDB file \"{}\"\n", path);
+  for (const auto& grid : file.grids()) text += describeGrid(grid->info());
+  return text;
+}
+
+}  // namespace aerosol::app
