@@ -47,10 +47,6 @@ float Microfacets::seenByBoth(Vector<Local> a, Vector<Local> b) const {
 }
 
 Vector<Local> Microfacets::sampleVisible(Vector<Local> viewer, std::array<float, 2> u) const {
-  if (shape_ == Shape::beckmann) {
-    const float phi = 2 * pi * u[1], radius = std::sqrt(-std::log(std::max(1 - u[0], 1e-30f)));
-    return normalize(Vector<Local>(alphaX_ * radius * std::cos(phi), alphaY_ * radius * std::sin(phi), 1));
-  }
   // Dupuy and Benyoub 2023: in the space where the ellipsoid is a sphere, visible normals are halfway between the
   // viewer and a uniform cap.
   const Vector<Local> v = normalize(Vector<Local>(alphaX_ * viewer.x, alphaY_ * viewer.y, viewer.z));
@@ -62,7 +58,7 @@ Vector<Local> Microfacets::sampleVisible(Vector<Local> viewer, std::array<float,
 }
 
 float Microfacets::visibleDensity(Vector<Local> viewer, Vector<Local> h) const {
-  if (shape_ == Shape::beckmann) return density(h) * std::fabs(h.z);
+  if (shape_ != Shape::ggx) return Microfacets(Shape::ggx, alphaX_, alphaY_).visibleDensity(viewer, h);
   const float cosine = std::fabs(viewer.z);
   return cosine > 0 ? seen(viewer) * std::max(dot(viewer, h), 0.0f) * density(h) / cosine : 0;
 }

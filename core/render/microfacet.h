@@ -33,7 +33,7 @@ class Microfacets {
   float seenByBoth(Vector<Local> a, Vector<Local> b) const;
   /// A normal with the density `visibleDensity`.
   Vector<Local> sampleVisible(Vector<Local> viewer, std::array<float, 2> u) const;
-  /// G1(v) |v·h| D(h) / |cos v| (GGX), or D(h) |cos h| (Beckmann, whose normals are sampled without the viewer).
+  /// G1(v) |v·h| D(h) / |cos v| of GGX. Beckmann normals are drawn so too: their density is at most 4/e times that.
   float visibleDensity(Vector<Local> viewer, Vector<Local> h) const;
 
  private:

@@ -9,6 +9,7 @@
 
 #include "core/accel/obj.h"
 #include "core/accel/ply.h"
+#include "core/lang/analysis.h"
 #include "core/render/interior.h"
 #include "core/render/medium_preparation.h"
 #include "core/render/scene_attributes.h"
@@ -177,12 +178,13 @@ class Preparation {
       return;
     }
     object.closures = scene_->siteClosures[object.material.family];
+    const lang::Program folded = lang::specialise(program, {});
     for (std::size_t i = 0; i < program.closureSites.size(); ++i) {
       if (!program.closureSites[i].layers.empty()) {
         errors_.error(program.locations[program.closureSites[i].location],
                       "layered closures are not implemented for surfaces");
       }
-      checkSite(program, program.closureSites[i], object.closures[i]);
+      checkSite(folded, static_cast<std::uint32_t>(i), object.closures[i]);
       if (object.closures[i] && object.closures[i]->kind() == ClosureKind::interior) scene_->nestsMedia = true;
     }
     if (errors_.hasErrors()) return;
@@ -200,19 +202,34 @@ class Preparation {
     object.isBoundary = !hasOther && passing == Color(1.0f);
   }
 
+  /// Options that a shader does not write are zero.
+  static bool isZero(const lang::Program& program, std::uint32_t site, std::size_t parameter) {
+    for (const lang::Output& output : program.outputs) {
+      if (output.kind != lang::OutputKind::siteParameter || output.index != site || output.subIndex != parameter)
+        continue;
+      const lang::Variable& variable = program.variables[output.variable];
+      const auto* floats = std::get_if<std::vector<float>>(&variable.value);
+      return variable.storage == lang::Storage::constant && floats &&
+             std::all_of(floats->begin(), floats->end(), [](float value) { return value == 0; });
+    }
+    return true;
+  }
+
   /// Every parameter of the site has to mean something to the closure.
-  void checkSite(const lang::Program& program, const lang::ClosureSite& site, const Closure* closure) {
+  void checkSite(const lang::Program& program, std::uint32_t index, const Closure* closure) {
+    const lang::ClosureSite& site = program.closureSites[index];
     const SourceLocation& place = program.locations[site.location];
     if (!closure) {
       appendNew(Diagnostic{
           Severity::error, place, fmt::format("closure '{}' is not implemented for surfaces", site.closure), {}, {}});
       return;
     }
-    for (const std::string& name : site.parameterNames) {
+    for (std::size_t i = 0; i < site.parameterNames.size(); ++i) {
+      const std::string& name = site.parameterNames[i];
       const auto fields = closure->fields();
       const bool isKnown = name == "label" || std::any_of(fields.begin(), fields.end(),
                                                           [&](const DescribedField& f) { return f.name == name; });
-      if (isKnown) continue;
+      if (isKnown || isZero(program, index, i)) continue;
       appendNew(Diagnostic{
           Severity::error, place, fmt::format("'{}' of closure '{}' is not implemented", name, site.closure), {}, {}});
     }

@@ -64,7 +64,8 @@ class Boundary {
         viewer_(frame_.toLocal(point.toViewer)),
         eta_(point.relativeIor(p_.ior)) {}
 
-  bool isSmooth() const { return p_.isSmooth(); }
+  /// Polished, or between equal indices, where facets bend nothing.
+  bool isSmooth() const { return p_.isSmooth() || std::fabs(eta_ - 1) < 1e-3f; }
   /// Shading normals that the viewer sees from behind scatter nothing.
   bool isVisible() const { return viewer_.z > 1e-6f && eta_ > 0; }
 

@@ -71,9 +71,9 @@ def trefoil(t):
 
 write_ply("knot.ply", *tube(trefoil, 0.22, 72, 10))
 
-# A tumbler and three liquids for it: reaching into the wall, leaving a gap, and with exactly the wall's inside.
+# A tumbler and two liquids for it: reaching into the wall, and leaving a gap.
 SIDES, OUTER, INNER, BOTTOM, HEIGHT, LEVEL = 96, 0.5, 0.42, 0.12, 1.3, 0.95
 write_ply("tumbler.ply", *lathe([(0, 0), (OUTER, 0), (OUTER, HEIGHT), (INNER, HEIGHT), (INNER, BOTTOM), (0, BOTTOM)], SIDES))
-for name, reach in ("liquid_overlap.ply", 0.03), ("liquid_gap.ply", -0.02), ("liquid_exact.ply", 0):
+for name, reach in ("liquid_overlap.ply", 0.03), ("liquid_gap.ply", -0.02):
     r, bottom = INNER + reach, BOTTOM - reach
     write_ply(name, *lathe([(0, bottom), (r, bottom), (r, LEVEL), (0, LEVEL)], SIDES))

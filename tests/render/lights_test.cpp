@@ -114,7 +114,7 @@ TEST(LightsThroughMedia, DirectionalThroughAScriptedSlab) {
         <volume type="box"><transform name="to_world"><scale x="40" y="0.25" z="40"/><translate x="0" y="1" z="0"/></transform>
         <medium type="ramp">)" + sampling + R"(<float name="at_zero" value="1.6"/><float name="slope" value="0.3"/>
         <float name="most" value="5"/></medium></volume>)");
-    EXPECT_TRUE(shows(scene, *scene.render(1024), [](const Ray<World>& ray) {
+    EXPECT_TRUE(shows(scene, *scene.render(1536), [](const Ray<World>& ray) {
       const auto at = [&](double y) {
         const double t = (y - static_cast<double>(ray.origin.y)) / static_cast<double>(ray.direction.y);
         return static_cast<double>(ray.origin.z) + t * static_cast<double>(ray.direction.z);

@@ -118,7 +118,7 @@ void expectMeans(const TrackerCase& c, TrackerSetup& setup, Tracker tracker, int
 }
 
 TEST_P(Trees, NullScatteringHasTheRightMeans) {
-  expectMeans(case_, setup_, Tracker::nullScattering, 1500000);
+  expectMeans(case_, setup_, Tracker::nullScattering, 2500000);
   EXPECT_EQ(setup_.evaluator().trackerStatistics().boundViolations, 0u) << "a leaf's own bound is never exceeded";
 }
 

@@ -65,6 +65,7 @@ TEST(ShaderReport, ProposesTheCorrectedBound) {
   EXPECT_TRUE(reportTrackers(makeScene(2), trackers).empty());
   trackers.boundViolations = 1200;
   trackers.worstViolation = 1.23456f;
+  trackers.worstExtinction = 2.46912f;
   const Diagnostics warnings = reportTrackers(makeScene(2), trackers);
   ASSERT_EQ(warnings.entries().size(), 1u);
   const Diagnostic& warning = warnings.entries()[0];

@@ -76,6 +76,7 @@ std::vector<Function> libraryFunctions() {
   for (const lang::BuiltinRow& row : lang::builtinTable()) {
     if (row.kind == lang::BuiltinKind::special) continue;
     for (const auto& overload : overloads.find(row.name)) {
+      if (overload->row->kind == lang::BuiltinKind::host) continue;  // Not in the run-time library.
       Function function;
       function.outputs = overload->outputs;
       function.result = overload->result;
