@@ -18,6 +18,10 @@ pkg_check_modules(OpenColorIO REQUIRED IMPORTED_TARGET OpenColorIO)
 # do not have such values.
 find_library(AEROSOL_OPENVDB_LIBRARY openvdb REQUIRED)
 add_library(aerosol_openvdb INTERFACE)
+if(AEROSOL_SANITIZERS MATCHES "undefined")
+  # TBB's hash map marks its buckets with odd addresses.
+  target_compile_options(aerosol_openvdb INTERFACE -fno-sanitize=alignment)
+endif()
 target_link_libraries(aerosol_openvdb INTERFACE "${AEROSOL_OPENVDB_LIBRARY}" TBB::tbb PkgConfig::Imath)
 target_compile_options(aerosol_openvdb INTERFACE -Wno-enum-constexpr-conversion)
 

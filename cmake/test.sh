@@ -17,7 +17,9 @@ exec </dev/null
 cmake/install_packages.sh
 
 # A run must find its errors by itself, and never wait for a terminal.
-export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1
+# (OpenImageIO deletes its texture system by a size that is not its own.)
+export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1:new_delete_type_mismatch=0
+export LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leak.supp:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:suppressions=$root/tests/sanitizers/thread.supp
 export NINJA_STATUS='[%f/%t %es] '
