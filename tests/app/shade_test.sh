@@ -35,6 +35,12 @@ hello, a+b = 1
 
 OUT
 
+echo "-- what has no effect yet says so, under either name"
+"$work/testshade" --raytype camera hello >"$work/out" 2>"$work/err" || fail "testshade --raytype ended with $?"
+said err "--raytype has no effect yet"
+expect 0 shade --userdata s 1 hello
+said err "--userdata has no effect yet"
+
 echo "-- points, line by line"
 cat >where.osl <<'OSL'
 shader where(output color Cout = 0, output int even = 0) {

@@ -203,11 +203,15 @@ std::vector<OptionRow> Reader::ignoredRows() {
        "optix_no_merge_layer_funcs,optix_no_inline_rend_lib,optix_no_rend_lib_bitcode,"
        "optix_register_inline_funcs",
        "", "", ignore});
-  rows.push_back({"vary_pdxdy,vary_udxdy,vary_vdxdy", "", "", ignore});
-  rows.push_back({"userdata", "NAME VALUE", "", ignore});
-  rows.push_back(
-      {"raytype,llvm_opt,texoptions,colorspace,locale,jbufferMB,optix_no_inline_thresh,optix_force_inline_thresh",
-       "VALUE", "", ignore});
+  const TakeOption miss = [this](const OptionUse& use) -> Problem {
+    arguments.missing.push_back(use.spelling);
+    return {};
+  };
+  rows.push_back({"vary_pdxdy,vary_udxdy,vary_vdxdy", "", "", miss});
+  rows.push_back({"userdata", "NAME VALUE", "", miss});
+  rows.push_back({"raytype", "NAME", "", miss});
+  rows.push_back({"llvm_opt,texoptions,colorspace,locale,jbufferMB,optix_no_inline_thresh,optix_force_inline_thresh",
+                  "VALUE", "", ignore});
   return rows;
 }
 

@@ -65,6 +65,7 @@ struct ShadeArguments {
   std::string archive;
   bool verbose = false, statistics = false, query = false;
   std::vector<std::string> ignored;  ///< Options that mean nothing here, as they were spelled.
+  std::vector<std::string> missing;  ///< Options that OSL's tool acts on and this one does not, as they were spelled.
   KernelArguments kernels;
 };
 

@@ -62,6 +62,8 @@ class ShadeRun {
 };
 
 void ShadeRun::noteIgnored() const {
+  for (const std::string& option : arguments_.missing)
+    console_.note(fmt::format("warning: {} has no effect yet: shaders see what they see without it\n", option));
   if (isTestshade_ && !arguments_.verbose) return;
   for (const std::string& option : arguments_.ignored)
     console_.note(fmt::format("note: {} means nothing here and is ignored\n", option));

@@ -80,7 +80,8 @@ std::optional<TextureRange> findRange(OIIO::TextureSystem& system, const Texture
 
 }  // namespace
 
-TextureFiles::TextureFiles(const TextureSettings& settings) : system_(OIIO::TextureSystem::create(false)) {
+TextureFiles::TextureFiles(const TextureSettings& settings)
+    : cache_(OIIO::ImageCache::create(false)), system_(OIIO::TextureSystem::create(false, cache_)) {
   std::string path;
   for (const std::string& folder : settings.searchPath) path += (path.empty() ? "" : ":") + folder;
   if (!path.empty()) system_->attribute("searchpath", path);
@@ -90,7 +91,11 @@ TextureFiles::TextureFiles(const TextureSettings& settings) : system_(OIIO::Text
   system_->attribute("automip", 1);
 }
 
-TextureFiles::~TextureFiles() { OIIO::TextureSystem::destroy(system_); }
+/// A texture system that makes its own cache leaves the tiles behind when it goes.
+TextureFiles::~TextureFiles() {
+  OIIO::TextureSystem::destroy(system_);
+  OIIO::ImageCache::destroy(cache_);
+}
 
 TextureFile& TextureFiles::open(std::string_view name) {
   const std::lock_guard lock(mutex_);

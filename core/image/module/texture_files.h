@@ -41,6 +41,7 @@ class TextureFiles {
   const std::optional<TextureRange>& range(TextureFile& file);
 
  private:
+  OIIO::ImageCache* cache_ = nullptr;
   OIIO::TextureSystem* system_ = nullptr;
   std::mutex mutex_;
   std::map<std::string, std::unique_ptr<TextureFile>, std::less<>> files_;
