@@ -57,6 +57,9 @@ void addTrackers(Table& table, const render::WorkerStatistics& s) {
   if (s.trackers.boundViolations > 0) {
     table.row("worst excess", fmt::format("{:.4g} times the bound", s.trackers.worstViolation));
   }
+  if (s.media.rejectedHits > 0) table.row("hidden surfaces", formatCount(s.media.rejectedHits, "hit"));
+  if (s.media.exitsWithoutEntry > 0) table.row("exits without entry", formatCount(s.media.exitsWithoutEntry));
+  if (s.media.repeatedEntries > 0) table.row("repeated entries", formatCount(s.media.repeatedEntries));
   if (s.invalidCoefficients > 0) table.row("invalid results", formatCount(s.invalidCoefficients));
 }
 

@@ -40,8 +40,7 @@ Ray<World> shadowRay(const ScatteringVertex& vertex, const LightSample& light, f
 
 }  // namespace
 
-volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time,
-                                        const volume::Medium* boundaryMedium) {
+volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time) {
   const LightSet& lights = path.scene().lights;
   LightUniforms uniforms;
   uniforms.place = path.random().next2D();
@@ -57,7 +56,8 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   if (isBlack(scattered)) co_return Color();
   const float pdf = light->pdf * choice->probability;
   const float weight = light->isDelta ? 1.0f : balance(pdf, vertex.pdf(light->direction));
-  const Color transmittance = co_await estimateTransmittance(path, shadowRay(vertex, *light, time), boundaryMedium);
+  const Color transmittance =
+      co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction));
   co_return scattered* transmittance*(weight / pdf);
 }
 

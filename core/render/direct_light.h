@@ -23,6 +23,8 @@ class ScatteringVertex {
   virtual Point<World> position() const = 0;
   /// Where a ray in this direction starts.
   virtual Point<World> originTowards(Vector<World> direction) const = 0;
+  /// The surface-defined medium that such a ray starts in; null in empty space.
+  virtual const volume::Medium* mediumTowards(Vector<World> direction) const = 0;
   /// Phase function, or closures times |cos|; without delta parts.
   virtual Color evaluate(Vector<World> direction) const = 0;
   /// Per steradian, with which the path goes on in `direction`.
@@ -31,11 +33,14 @@ class ScatteringVertex {
 
 class MediumVertex final : public ScatteringVertex {
  public:
-  MediumVertex(const volume::PhaseFunction& phase, Point<World> position, Vector<World> before, float anisotropy)
-      : phase_(phase), position_(position), before_(before), parameters_{anisotropy} {}
+  /// `boundaryMedium` is the surface-defined medium around the vertex.
+  MediumVertex(const volume::PhaseFunction& phase, Point<World> position, Vector<World> before, float anisotropy,
+               const volume::Medium* boundaryMedium)
+      : phase_(phase), position_(position), before_(before), parameters_{anisotropy}, boundaryMedium_(boundaryMedium) {}
 
   Point<World> position() const override { return position_; }
   Point<World> originTowards(Vector<World>) const override { return position_; }
+  const volume::Medium* mediumTowards(Vector<World>) const override { return boundaryMedium_; }
   Color evaluate(Vector<World> direction) const override {
     return Color(phase_.evaluate(parameters_, before_, direction));
   }
@@ -47,27 +52,33 @@ class MediumVertex final : public ScatteringVertex {
   Point<World> position_;
   Vector<World> before_;
   std::array<float, 1> parameters_;
+  const volume::Medium* boundaryMedium_;
 };
 
 class SurfaceVertex final : public ScatteringVertex {
  public:
-  /// Both outlive the vertex.
-  SurfaceVertex(const accel::SurfaceHit& hit, const ClosureMix& closures) : hit_(hit), closures_(closures) {}
+  /// All outlive the vertex. `near` is the medium on the side that the ray came from, `far` the one behind.
+  SurfaceVertex(const accel::SurfaceHit& hit, const ClosureMix& closures, const volume::Medium* near,
+                const volume::Medium* far)
+      : hit_(hit), closures_(closures), near_(near), far_(far) {}
 
   Point<World> position() const override { return hit_.point; }
   Point<World> originTowards(Vector<World> direction) const override { return hit_.originTowards(direction); }
+  const volume::Medium* mediumTowards(Vector<World> direction) const override {
+    return (dot(direction, hit_.geometricNormal) > 0) == hit_.entering ? near_ : far_;
+  }
   Color evaluate(Vector<World> direction) const override { return closures_.evaluate(direction); }
   float pdf(Vector<World> direction) const override { return closures_.pdf(direction); }
 
  private:
   const accel::SurfaceHit& hit_;
   const ClosureMix& closures_;
+  const volume::Medium *near_, *far_;
 };
 
 /// One sample of one light: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the
-/// vertex. `boundaryMedium` is the surface-defined medium around the vertex. Two numbers of the path's stream.
-volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time,
-                                        const volume::Medium* boundaryMedium);
+/// vertex. Two numbers of the path's stream.
+volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time);
 
 /// What the path found by its own direction sampling needs to weight light that it meets.
 struct DirectionRecord {

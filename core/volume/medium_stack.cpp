@@ -57,11 +57,12 @@ Crossing MediumStack::judge(const Interior& interior, bool entering) const {
   const Interior& own = known ? known->interior : interior;
   const bool hidden = others && others->priority && own.priority && !isStronger(*own.priority, *others->priority);
   const bool weaker = others && others->priority && !own.priority;
-  const float with = hidden || weaker ? iorOf(others) : own.ior;
-  const float without = iorOf(others);
+  const Interior* const with = hidden || weaker ? others : &own;
+  const Interior* const after = entering || staysInside ? with : others;
   Crossing crossing;
-  crossing.iorBefore = entering && !staysInside ? without : with;
-  crossing.iorAfter = entering || staysInside ? with : without;
+  crossing.iorBefore = iorOf(entering && !staysInside ? others : with);
+  crossing.iorAfter = iorOf(after);
+  crossing.mediumAfter = after ? mediumOf(*after) : nullptr;
   if (interior.priority) crossing.isHit = !hidden && !staysInside;
   return crossing;
 }

@@ -17,7 +17,6 @@ struct Interior {
   float ior = 1;                  ///< Index of refraction.
   const Medium* scene = nullptr;  ///< A medium of the scene; null: `own` if it is set, else empty space.
   std::optional<Medium> own;      ///< A medium that the material's closure describes.
-  bool clipsVolumes = false;      ///< Additive primitives end where this medium rules.
 };
 
 /// Which of two overlapping media rules (the talk: "higher wins"; others have it the other way round).
@@ -34,6 +33,7 @@ struct StackStatistics {
 struct Crossing {
   bool isHit = true;  ///< False: the surface is inside something stronger; the ray goes on as if it were not there.
   float iorBefore = 1, iorAfter = 1;
+  const Medium* mediumAfter = nullptr;  ///< Behind it; null in empty space. In the stack, or in the interior judged.
 };
 
 /// The interiors around a point of a path. After Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced

@@ -58,10 +58,11 @@ void continueFrom(PathState& state, Point<World> origin, Vector<World> direction
 Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance,
                            const volume::DistanceSample& event) {
   const PreparedScene& scene = path.scene();
-  const MediumVertex vertex(*scene.phase, accel::pointAt(state.ray, event.t), state.ray.direction, event.anisotropy);
+  const MediumVertex vertex(*scene.phase, accel::pointAt(state.ray, event.t), state.ray.direction, event.anisotropy,
+                            state.boundaryMedium);
   if (state.length == scene.path.maxDepth) co_return false;
   beginVertex(path, state.length);
-  radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time, state.boundaryMedium);
+  radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
   state.direction = {vertex.position(), next.pdf, next.isDelta};
   state.rayTypes = shading::ray::diffuse;
@@ -118,8 +119,14 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   if (state.length == scene.path.maxDepth) co_return Step::ends;
 
   beginVertex(path, state.length);
-  const SurfaceVertex vertex(hit, closures.mix());
-  radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time, state.boundaryMedium);
+  const Medium* behind = state.boundaryMedium;
+  if (interior) {
+    behind = crossing.mediumAfter;
+  } else if (!scene.nestsMedia) {
+    behind = hit.entering ? object.interior : object.exterior;
+  }
+  const SurfaceVertex vertex(hit, closures.mix(), state.boundaryMedium, behind);
+  radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
   ClosureUniforms uniforms;
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().next1D();
@@ -131,8 +138,8 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     if (interior) {
       path.media.cross(*interior, hit.entering, path.statistics().media);
       state.boundaryMedium = ruler(path, object.exterior);
-    } else if (!scene.nestsMedia) {
-      state.boundaryMedium = hit.entering ? object.interior : object.exterior;
+    } else {
+      state.boundaryMedium = behind;
     }
   }
   state.direction = {hit.point, next->pdf, next->isDelta};
