@@ -58,8 +58,11 @@ void addTrackers(Table& table, const render::WorkerStatistics& s) {
     table.row("worst excess", fmt::format("{:.4g} times the bound", s.trackers.worstViolation));
   }
   if (s.media.rejectedHits > 0) table.row("hidden surfaces", formatCount(s.media.rejectedHits, "hit"));
-  if (s.media.exitsWithoutEntry > 0) table.row("exits without entry", formatCount(s.media.exitsWithoutEntry));
-  if (s.media.repeatedEntries > 0) table.row("repeated entries", formatCount(s.media.repeatedEntries));
+  if (s.media.exitsWithoutEntry + s.media.repeatedEntries > 0) {
+    table.row("open surfaces",
+              fmt::format("{} without entry, {} that enter twice", formatCount(s.media.exitsWithoutEntry, "exit"),
+                          formatCount(s.media.repeatedEntries, "hit")));
+  }
   if (s.invalidCoefficients > 0) table.row("invalid results", formatCount(s.invalidCoefficients));
 }
 
