@@ -22,6 +22,12 @@ const char* nameOf(scene::FilterType type) {
       return "box";
     case scene::FilterType::tent:
       return "tent";
+    case scene::FilterType::mitchell:
+      return "mitchell";
+    case scene::FilterType::catmullrom:
+      return "catmullrom";
+    case scene::FilterType::lanczos:
+      return "lanczos";
     case scene::FilterType::gaussian:
       break;
   }

@@ -35,23 +35,30 @@ Camera::Camera(const scene::Sensor& sensor, const scene::Film& film)
     : toWorld_(sensor.toWorld),
       width_(film.width),
       height_(film.height),
-      tangentX_(horizontalTangent(sensor.fieldOfView(), width_ / height_)),
+      isOrthographic_(sensor.type == scene::SensorType::orthographic),
+      tangentX_(isOrthographic_ ? 1 : horizontalTangent(sensor.fieldOfView(), width_ / height_)),
       tangentY_(tangentX_ * height_ / width_),
+      shiftX_(static_cast<double>(sensor.principalPointX) * width_),
+      shiftY_(static_cast<double>(sensor.principalPointY) * height_),
       nearClip_(static_cast<double>(sensor.nearClip)),
       farClip_(static_cast<double>(sensor.farClip)),
       apertureRadius_(sensor.type == scene::SensorType::thinlens ? static_cast<double>(sensor.apertureRadius) : 0),
       focusDistance_(static_cast<double>(sensor.focusDistance.value_or(sensor.farClip))) {}
 
 Ray<World> Camera::ray(const CameraSample& sample) const {
-  const double sx = (1 - 2 * static_cast<double>(sample.x) / width_) * tangentX_;
-  const double sy = (1 - 2 * static_cast<double>(sample.y) / height_) * tangentY_;
+  const double sx = (1 - 2 * (static_cast<double>(sample.x) + shiftX_) / width_) * tangentX_;
+  const double sy = (1 - 2 * (static_cast<double>(sample.y) + shiftY_) / height_) * tangentY_;
   double lensX = 0, lensY = 0;
-  if (hasLens()) {
+  if (isOrthographic_) {
+    lensX = sx;
+    lensY = sy;
+  } else if (hasLens()) {
     const std::array<double, 2> disk = toConcentricDisk(sample.lens);
     lensX = apertureRadius_ * disk[0];
     lensY = apertureRadius_ * disk[1];
   }
-  const std::array<double, 3> d{sx - lensX / focusDistance_, sy - lensY / focusDistance_, 1};
+  std::array<double, 3> d{0, 0, 1};
+  if (!isOrthographic_) d = {sx - lensX / focusDistance_, sy - lensY / focusDistance_, 1};
   const Matrix4& m = toWorld_.matrix();
   std::array<double, 3> origin, direction;
   for (std::size_t i = 0; i < 3; ++i) {

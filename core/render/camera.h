@@ -1,4 +1,4 @@
-// The cameras: perspective, with a pinhole or a thin lens.
+// The cameras: perspective, with a pinhole or a thin lens, and orthographic.
 #pragma once
 
 #include <array>
@@ -25,16 +25,19 @@ class Camera {
   /// view.
   Ray<World> ray(const CameraSample& sample) const;
 
-  /// Tangent of half the angle of view across the film's width.
+  /// Tangent of half the angle of view across the film's width; half the width of the view of an orthographic one.
   double tangentX() const { return tangentX_; }
+  bool isOrthographic() const { return isOrthographic_; }
 
   /// Whether `ray` uses `CameraSample::lens`.
   bool hasLens() const { return apertureRadius_ > 0; }
 
  private:
   Transform<World, aerosol::Camera> toWorld_;
-  double width_, height_;       ///< Pixels of the whole film.
-  double tangentX_, tangentY_;  ///< Of half the angle of view.
+  double width_, height_;  ///< Pixels of the whole film.
+  bool isOrthographic_;
+  double tangentX_, tangentY_;  ///< Of half the angle of view; half the sides of an orthographic view.
+  double shiftX_, shiftY_;      ///< Of the film against the axis, pixels.
   double nearClip_, farClip_;
   double apertureRadius_, focusDistance_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 // Ernst, Stamminger, Greiner, "Filter Importance Sampling" (2006): with samples drawn in proportion to |f| and carrying
 // the sign of f, the pixel is E[sign L] ∫|f|/∫f. Nothing is shared between pixels, so a pixel's value depends on its
@@ -12,7 +13,21 @@ namespace aerosol::render {
 
 namespace {
 
-constexpr int gaussianCells = 2048;
+constexpr int cellsOfCurves = 2048;
+
+/// The cubics of Mitchell and Netravali, "Reconstruction Filters in Computer Graphics" (1988), eq. 8. B = 0, C = 1/2 is
+/// the one of Catmull and Rom.
+double mitchell(double x, double b, double c) {
+  const double t = std::fabs(x);
+  if (t < 1) return (((12 - 9 * b - 6 * c) * t + (-18 + 12 * b + 6 * c)) * t * t + (6 - 2 * b)) / 6;
+  return ((((-b - 6 * c) * t + (6 * b + 30 * c)) * t + (-12 * b - 48 * c)) * t + (8 * b + 24 * c)) / 6;
+}
+
+/// sinc(x) under the main lobe of a sinc that ends at `lobes`.
+double lanczos(double x, double lobes) {
+  const double a = std::numbers::pi * x;
+  return std::fabs(a) < 1e-9 ? 1 : lobes * std::sin(a) * std::sin(a / lobes) / (a * a);
+}
 
 }  // namespace
 
@@ -29,9 +44,20 @@ Filter::Filter(const scene::ReconstructionFilter& filter) {
       const double scale = -0.5 / (static_cast<double>(filter.stddev) * static_cast<double>(filter.stddev));
       const double edge = std::exp(scale * r * r);
       const auto f = [=](double x) { return std::max(0.0, std::exp(scale * x * x) - edge); };
-      *this = Filter(f, r, gaussianCells);
+      *this = Filter(f, r, cellsOfCurves);
       return;
     }
+    case scene::FilterType::mitchell: {
+      const double b = static_cast<double>(filter.b), c = static_cast<double>(filter.c);
+      *this = Filter([=](double x) { return mitchell(x, b, c); }, r, cellsOfCurves);
+      return;
+    }
+    case scene::FilterType::catmullrom:
+      *this = Filter([](double x) { return mitchell(x, 0, 0.5); }, r, cellsOfCurves);
+      return;
+    case scene::FilterType::lanczos:
+      *this = Filter([=](double x) { return lanczos(x, r); }, r, cellsOfCurves);
+      return;
   }
 }
 

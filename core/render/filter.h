@@ -17,8 +17,8 @@ struct FilterSample {
   float weight = 1;
 };
 
-/// A separable filter f(x) f(y). f is piecewise linear, which box and tent are anyway; a gaussian is approximated to
-/// 2e-6 of its height.
+/// A separable filter f(x) f(y). f is piecewise linear, which box and tent are anyway; others are approximated to
+/// 2e-6 of their height.
 class Filter {
  public:
   explicit Filter(const scene::ReconstructionFilter& filter);

@@ -11,6 +11,7 @@
 #include "core/accel/ply.h"
 #include "core/lang/analysis.h"
 #include "core/render/interior.h"
+#include "core/render/medium_phase.h"
 #include "core/render/medium_preparation.h"
 #include "core/render/scene_attributes.h"
 #include "core/render/scene_services.h"
@@ -143,6 +144,10 @@ class Preparation {
       return nullptr;
     }
     volume::Medium& medium = scene_->media.emplace_back();
+    if (const auto& phase = description_.media[index].phase) {
+      scene_->mediumPhases.push_back(makePhase(*phase, registry_));
+      medium.phase = scene_->mediumPhases.back().get();
+    }
     medium.index = static_cast<std::uint32_t>(scene_->media.size() - 1);
     scene_->mediumShaders.push_back(*bound);
     scene_->mediumLocations.push_back(shader.origin.location);

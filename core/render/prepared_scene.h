@@ -67,7 +67,12 @@ struct PreparedScene {
   std::optional<Filter> filter;
   SamplerKind sampler = SamplerKind::sobol;
   std::uint64_t seed = 0;
-  const volume::PhaseFunction* phase = nullptr;  ///< Of the lobes that volume shaders return.
+  const volume::PhaseFunction* phase = nullptr;                            ///< Of the lobes that volume shaders return.
+  std::vector<std::shared_ptr<const volume::PhaseFunction>> mediumPhases;  ///< Of media that have their own.
+
+  const volume::PhaseFunction& phaseOf(const volume::Medium& medium) const {
+    return medium.phase ? *medium.phase : *phase;
+  }
   PathSettings path;
   std::uint32_t loopBudget = 1u << 24;
   std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();

@@ -22,10 +22,10 @@ Constant floats(std::vector<float> values) {
 void describeCamera(const scene::Sensor& sensor, const scene::Film& film, shading::AttributeTable& table) {
   const float aspect = static_cast<float>(film.width) / static_cast<float>(film.height);
   const Camera camera(sensor, film);
-  const double degrees = 360 / std::numbers::pi * std::atan(camera.tangentX());
+  const double degrees = camera.isOrthographic() ? 0 : 360 / std::numbers::pi * std::atan(camera.tangentX());
   table.set("camera:resolution", {lang::types::integer.arrayOf(2), std::vector<std::int32_t>{film.width, film.height}});
   table.set("camera:pixelaspect", Constant::ofFloat(1));
-  table.set("camera:projection", Constant::ofString("perspective"));
+  table.set("camera:projection", Constant::ofString(camera.isOrthographic() ? "orthographic" : "perspective"));
   table.set("camera:fov", Constant::ofFloat(static_cast<float>(degrees)));
   table.set("camera:clip_near", Constant::ofFloat(sensor.nearClip));
   table.set("camera:clip_far", Constant::ofFloat(sensor.farClip));

@@ -46,7 +46,7 @@ void checkSensor(const Sensor& sensor, Reporter& reporter) {
     reporter.error(sensor.origin.of(name), fmt::format("'near_clip' ({}) has to be less than 'far_clip' ({})",
                                                        sensor.nearClip, sensor.farClip));
   }
-  if (!isRigid(sensor.toWorld.matrix())) {
+  if (sensor.type != SensorType::orthographic && !isRigid(sensor.toWorld.matrix())) {
     reporter.error(sensor.origin.of("to_world"), "the transform of a camera must not scale or shear");
   }
   if (sensor.origin.has("fov_axis") && !sensor.fov) {
@@ -65,6 +65,13 @@ void completeFilter(ReconstructionFilter& filter) {
       break;
     case FilterType::gaussian:
       filter.radius = 4 * filter.stddev;
+      break;
+    case FilterType::mitchell:
+    case FilterType::catmullrom:
+      filter.radius = 2;
+      break;
+    case FilterType::lanczos:
+      filter.radius = static_cast<float>(filter.lobes);
       break;
   }
 }

@@ -94,9 +94,24 @@ struct MediumSampling {
   MediumSampling orElse(const MediumSampling& other) const;
 };
 
+enum class PhaseType : std::uint8_t { hg, isotropic, rayleigh, draine, mie, tabphase, blendphase };
+
+/// A phase function.
+struct Phase {
+  PhaseType type = PhaseType::isotropic;
+  float g = 0;                    ///< Of hg: mean cosine; of draine: of its lobe.
+  float alpha = 1;                ///< Of draine.
+  float particleDiameter_um = 8;  ///< Of mie: water droplets.
+  float weight = 0.5f;            ///< Of blendphase: share of the second part, in [0, 1].
+  std::vector<float> values;      ///< Of tabphase: over the cosine from -1 to 1, two at least, not all zero.
+  std::vector<Phase> parts;       ///< Of blendphase: two.
+  Origin origin;
+};
+
 /// A medium: a volume shader and its sampling.
 struct Medium {
   ShaderUse shader;
+  std::optional<Phase> phase;  ///< Takes the place of what the shader says of directions.
   MediumSampling sampling;
 };
 
@@ -113,12 +128,15 @@ struct Integrator {
   Origin origin;
 };
 
-enum class FilterType : std::uint8_t { box, tent, gaussian };
+enum class FilterType : std::uint8_t { box, tent, gaussian, mitchell, catmullrom, lanczos };
 
 struct ReconstructionFilter {
   FilterType type = FilterType::gaussian;
   float radius = 2;     ///< Pixels, > 0; of a gaussian, where it is cut off.
   float stddev = 0.5f;  ///< Pixels, > 0; of a gaussian.
+  float b = 1.0f / 3;   ///< Of mitchell: blur.
+  float c = 1.0f / 3;   ///< Of mitchell: ringing.
+  int lobes = 3;        ///< Of lanczos: the radius in pixels.
   Origin origin;
 };
 
@@ -151,7 +169,7 @@ struct Sampler {
   Origin origin;
 };
 
-enum class SensorType : std::uint8_t { perspective, thinlens };
+enum class SensorType : std::uint8_t { perspective, thinlens, orthographic };
 enum class FovAxis : std::uint8_t { x, y, diagonal, smaller, larger };
 
 /// An angle of view (degrees, 0 to 180 excluded) across one axis of the film.
@@ -162,10 +180,13 @@ struct FieldOfView {
 
 struct Sensor {
   SensorType type = SensorType::perspective;
-  Transform<World, Camera> toWorld;  ///< Without scale; may mirror.
-  std::optional<float> fov;          ///< Degrees; see `fieldOfView`.
+  Transform<World, Camera>
+      toWorld;               ///< May mirror. Without scale, but of an orthographic one, which sees [-1, 1] in x.
+  std::optional<float> fov;  ///< Degrees; see `fieldOfView`.
   FovAxis fovAxis = FovAxis::x;
-  std::string focalLength;  ///< "50mm", of a film of 36 × 24 mm; see `fieldOfView`.
+  std::string focalLength;    ///< "50mm", of a film of 36 × 24 mm; see `fieldOfView`.
+  float principalPointX = 0;  ///< Where the view's axis meets the film, from its centre: in its widths to the right,
+  float principalPointY = 0;  ///< and in its heights downwards.
   float nearClip = 0.01f;
   float farClip = 10000;
   float apertureRadius = 0;            ///< Of a thinlens, scene units.

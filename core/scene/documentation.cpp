@@ -102,14 +102,13 @@ std::vector<ObjectDoc> objectDocs(const KnownTypes& known) {
     for (const ParameterSpec& spec : specsOf(samplingFields())) object.parameters.push_back(spec);
     docs.push_back(std::move(object));
   }
-  docs.push_back(
-      {"medium",
-       "SHADER",
-       {},
-       "a volume shader: SHADER.osl on the search path; its parameters, and",
-       "texture, medium named as the parameter they feed; phase, which gives the shader its parameter g; source "
-       "or group",
-       specsOf(samplingFields())});
+  docs.push_back({"medium",
+                  "SHADER",
+                  {},
+                  "a volume shader: SHADER.osl on the search path; its parameters, and",
+                  "texture, medium named as the parameter they feed; phase; source "
+                  "or group",
+                  specsOf(samplingFields())});
   addTables("phase", phaseTypes(), docs);
   docs.push_back({"bsdf",
                   "SHADER",

@@ -105,7 +105,7 @@ Index ShaderBuilder::medium(const Element& element) {
   medium.shader = shaderOf(element, reader.rest());
   medium.shader.origin.parameters.merge(origin.parameters);
   const std::vector<Child> children = ids_.children(element, nestedTags(element.tag), reporter_);
-  addPhase(children, medium.shader);
+  addPhase(children, medium);
   open_.push_back(&element);
   addInputs(children, medium.shader);
   open_.pop_back();
@@ -113,23 +113,54 @@ Index ShaderBuilder::medium(const Element& element) {
   return entry->second;
 }
 
-/// Mitsuba writes the phase function as an object of its own; here it is part of the medium's shader, which gets the
-/// object's parameter `g` as its own.
-void ShaderBuilder::addPhase(const std::vector<Child>& children, ShaderUse& shader) {
-  const Child phase = IdTable::single(children, "phase", reporter_);
-  if (!phase.object) return;
-  PhaseFunction function;
-  const TypeTable<PhaseFunction>* type = readTyped(*phase.object, phaseTypes(), function, reporter_);
-  ids_.children(*phase.object, {}, reporter_);
-  if (!type) return;
-  const SourceLocation& place = function.origin.of("g");
+/// A phase function with its parts. None where something is wrong, which is reported.
+std::optional<Phase> ShaderBuilder::readPhase(const Element& element) {
+  if (std::find(open_.begin(), open_.end(), &element) != open_.end()) {
+    reporter_.error(element.location, fmt::format("phase '{}' is a part of itself", element.id));
+    return std::nullopt;
+  }
+  Phase phase;
+  const TypeTable<Phase>* type = readTyped(element, phaseTypes(), phase, reporter_);
+  if (type) phase.type = static_cast<PhaseType>(type - phaseTypes().data());
+  const bool isBlend = type && phase.type == PhaseType::blendphase;
+  std::vector<Child> children =
+      ids_.children(element, isBlend ? std::vector<std::string>{"phase"} : std::vector<std::string>{}, reporter_);
+  if (!type) return std::nullopt;
+  if (!isBlend) return phase;
+  if (children.size() != 2) {
+    reporter_.error(element.location, fmt::format("a blendphase has two phases, this one has {}", children.size()));
+    return std::nullopt;
+  }
+  if (children[1].use->name < children[0].use->name && !children[1].use->name.empty())
+    std::swap(children[0], children[1]);
+  open_.push_back(&element);
+  for (const Child& child : children) {
+    if (auto part = readPhase(*child.object)) phase.parts.push_back(std::move(*part));
+  }
+  open_.pop_back();
+  return phase.parts.size() == 2 ? std::optional(std::move(phase)) : std::nullopt;
+}
+
+/// Mitsuba writes the phase function as an object of its own. A Henyey-Greenstein one is what media's shaders have, so
+/// it becomes their parameter `g`; others take the place of what the shader says.
+void ShaderBuilder::addPhase(const std::vector<Child>& children, Medium& medium) {
+  const Child child = IdTable::single(children, "phase", reporter_);
+  if (!child.object) return;
+  std::optional<Phase> phase = readPhase(*child.object);
+  if (!phase) return;
+  if (phase->type != PhaseType::hg && phase->type != PhaseType::isotropic) {
+    medium.phase = std::move(*phase);
+    return;
+  }
+  ShaderUse& shader = medium.shader;
+  const SourceLocation& place = phase->origin.of("g");
   if (const ShaderParameter* own = shader.find("g")) {
     reporter_.error(own->location, "parameter 'g' is given twice",
-                    {fmt::format("the phase function at {} gives it too", format(phase.use->location))});
+                    {fmt::format("the phase function at {} gives it too", format(child.use->location))});
     return;
   }
   shader.origin.parameters["g"] = place;
-  shader.parameters.push_back({"g", function.g, place, place});
+  shader.parameters.push_back({"g", phase->g, place, place});
 }
 
 Index ShaderBuilder::defaultMaterial(const SourceLocation& shape, bool emits) {

@@ -26,7 +26,8 @@ class ShaderBuilder {
   ShaderUse shaderOf(const Element& element, const std::vector<const Property*>& properties);
   void addInputs(const std::vector<Child>& children, ShaderUse& shader);
   std::optional<Index> layer(const Child& child);
-  void addPhase(const std::vector<Child>& children, ShaderUse& shader);
+  void addPhase(const std::vector<Child>& children, Medium& medium);
+  std::optional<Phase> readPhase(const Element& element);
 
   SceneDescription& scene_;
   IdTable& ids_;

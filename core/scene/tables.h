@@ -7,19 +7,13 @@
 
 namespace aerosol::scene {
 
-/// `<phase>`, whose parameter becomes one of the medium's shader.
-struct PhaseFunction {
-  float g = 0;
-  Origin origin;
-};
-
 const std::vector<TypeTable<Integrator>>& integratorTypes();
 const std::vector<TypeTable<Sensor>>& sensorTypes();
 const std::vector<TypeTable<Film>>& filmTypes();
 const std::vector<TypeTable<ReconstructionFilter>>& filterTypes();
 const std::vector<TypeTable<Sampler>>& samplerTypes();
 const std::vector<TypeTable<Shape>>& shapeTypes();
-const std::vector<TypeTable<PhaseFunction>>& phaseTypes();
+const std::vector<TypeTable<Phase>>& phaseTypes();
 const std::vector<TypeTable<Emitter>>& emitterTypes();
 /// Sampling parameters, of media and volumes.
 const std::vector<Field<MediumSampling>>& samplingFields();

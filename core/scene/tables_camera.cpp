@@ -9,6 +9,27 @@ namespace {
 
 constexpr int longestSide = 1 << 16;
 
+void addClipPlanes(std::vector<Field<Sensor>>& fields) {
+  fields.push_back(field<&Sensor::nearClip>({.name = "near_clip",
+                                             .unit = "scene units",
+                                             .doc = "nothing nearer along the view is seen",
+                                             .range = Range::positive()}));
+  fields.push_back(field<&Sensor::farClip>({.name = "far_clip",
+                                            .unit = "scene units",
+                                            .doc = "nothing farther along the view is seen",
+                                            .range = Range::positive()}));
+}
+
+std::vector<Field<Sensor>> orthographicFields() {
+  std::vector<Field<Sensor>> fields = {
+      field<&Sensor::toWorld>({.name = "to_world",
+                               .doc = "camera to world; the camera looks along +z and sees -1 to 1 in x, so its scale "
+                                      "says how much of the scene",
+                               .defaultText = "identity"})};
+  addClipPlanes(fields);
+  return fields;
+}
+
 std::vector<Field<Sensor>> perspectiveFields() {
   Field<Sensor> focalLength = field<&Sensor::focalLength>(
       {.name = "focal_length", .doc = "instead of fov: focal length of a 36 x 24 mm film", .defaultText = "50mm"});
@@ -19,7 +40,7 @@ std::vector<Field<Sensor>> perspectiveFields() {
     sensor.fov.reset();
     return {};
   };
-  return {
+  std::vector<Field<Sensor>> fields = {
       field<&Sensor::toWorld>({.name = "to_world",
                                .doc = "camera to world, without scale; the camera looks along +z",
                                .defaultText = "identity"}),
@@ -30,15 +51,15 @@ std::vector<Field<Sensor>> perspectiveFields() {
                            .range = {.minimum = 0, .maximum = 180, .openMinimum = true, .openMaximum = true}}),
       field<&Sensor::fovAxis>({.name = "fov_axis", .doc = "the side of the film that fov spans"}),
       std::move(focalLength),
-      field<&Sensor::nearClip>({.name = "near_clip",
-                                .unit = "scene units",
-                                .doc = "nothing nearer along the view is seen",
-                                .range = Range::positive()}),
-      field<&Sensor::farClip>({.name = "far_clip",
-                               .unit = "scene units",
-                               .doc = "nothing farther along the view is seen",
-                               .range = Range::positive()}),
+      field<&Sensor::principalPointX>({.name = "principal_point_offset_x",
+                                       .unit = "film widths",
+                                       .doc = "shifts the film to the side against the view's axis"}),
+      field<&Sensor::principalPointY>({.name = "principal_point_offset_y",
+                                       .unit = "film heights",
+                                       .doc = "shifts the film downwards against the view's axis"}),
   };
+  addClipPlanes(fields);
+  return fields;
 }
 
 std::vector<Field<Sensor>> thinlensFields() {
@@ -92,6 +113,10 @@ const std::vector<TypeTable<Sensor>>& sensorTypes() {
       {.type = "thinlens",
        .doc = "a camera with a lens, hence depth of field",
        .fields = thinlensFields(),
+       .nested = "film, sampler, medium (what the camera stands in)"},
+      {.type = "orthographic",
+       .doc = "a camera without perspective: all rays are parallel",
+       .fields = orthographicFields(),
        .nested = "film, sampler, medium (what the camera stands in)"}};
   return tables;
 }
@@ -144,17 +169,27 @@ const std::vector<TypeTable<ReconstructionFilter>>& filterTypes() {
       {.type = "tent", .doc = "falls linearly to zero", .fields = {radius(1, "where it reaches zero")}},
       {.type = "gaussian",
        .doc = "a bell",
-       .fields = {
-           [&] {
-             Field<ReconstructionFilter> f = radius(2, "where it is cut off");
-             f.spec.defaultValue.reset();
-             f.spec.defaultText = "4 stddev";
-             return f;
-           }(),
-           field<&ReconstructionFilter::stddev>({.name = "stddev",
-                                                 .unit = "pixels",
-                                                 .doc = "standard deviation",
-                                                 .range = {.minimum = 0, .maximum = 16, .openMinimum = true}})}}};
+       .fields = {[&] {
+                    Field<ReconstructionFilter> f = radius(2, "where it is cut off");
+                    f.spec.defaultValue.reset();
+                    f.spec.defaultText = "4 stddev";
+                    return f;
+                  }(),
+                  field<&ReconstructionFilter::stddev>({.name = "stddev",
+                                                        .unit = "pixels",
+                                                        .doc = "standard deviation",
+                                                        .range = {.minimum = 0, .maximum = 16, .openMinimum = true}})}},
+      {.type = "mitchell",
+       .doc = "the cubic of Mitchell and Netravali, between sharp and free of ringing",
+       .fields = {field<&ReconstructionFilter::b>(
+                      {.name = "B", .doc = "their B: how much it blurs", .range = {.minimum = 0, .maximum = 1}}),
+                  field<&ReconstructionFilter::c>(
+                      {.name = "C", .doc = "their C: how much it rings", .range = {.minimum = 0, .maximum = 1}})}},
+      {.type = "catmullrom", .doc = "the cubic of Catmull and Rom: sharper, rings more"},
+      {.type = "lanczos",
+       .doc = "a windowed sinc: sharpest, rings most",
+       .fields = {field<&ReconstructionFilter::lobes>(
+           {.name = "lobes", .doc = "lobes on each side", .range = {.minimum = 1, .maximum = 16}})}}};
   return tables;
 }
 

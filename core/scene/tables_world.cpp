@@ -139,18 +139,6 @@ const std::vector<TypeTable<Emitter>>& emitterTypes() {
   return tables;
 }
 
-const std::vector<TypeTable<PhaseFunction>>& phaseTypes() {
-  static const std::vector<TypeTable<PhaseFunction>> tables = {
-      {.type = "hg",
-       .doc = "Henyey-Greenstein scattering",
-       .fields = {field<&PhaseFunction::g>(
-           {.name = "g",
-            .doc = "mean cosine of the scattering angle, becomes the shader's g",
-            .range = {.minimum = -1, .maximum = 1, .openMinimum = true, .openMaximum = true}})}},
-      {.type = "isotropic", .doc = "equal scattering into all directions, makes the shader's g 0"}};
-  return tables;
-}
-
 const std::vector<Field<MediumSampling>>& samplingFields() {
   static const std::vector<Field<MediumSampling>> fields = {
       field<&MediumSampling::stepSize>({.name = "step_size",

@@ -24,6 +24,8 @@ enum class DistanceMethod : std::uint8_t {
 /// Extinction below this counts as none: 1 / pdf would not fit into a float, and no scene is 1e30 units long.
 inline constexpr float negligibleExtinction = 1e-30f;
 
+class PhaseFunction;
+
 /// A medium placed in the scene. Const after preparation.
 struct Medium {
   std::uint32_t index = 0;  ///< The evaluator's key.
@@ -33,6 +35,7 @@ struct Medium {
   const BoundTree* tree = nullptr;       ///< Bounds place by place, if there are any; then `bound` is the largest.
   float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
   bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
+  const PhaseFunction* phase = nullptr;  ///< Of all lobes, whatever their anisotropy; null: Henyey–Greenstein with it.
 
   /// The medium as one leaf, without its tree. A bound of 0 that nobody proved is not taken at its word: emission, and
   /// extinction that should not be there, are still looked for once a step.

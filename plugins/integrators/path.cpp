@@ -58,8 +58,8 @@ void continueFrom(PathState& state, Point<World> origin, Vector<World> direction
 Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance,
                            const volume::DistanceSample& event) {
   const PreparedScene& scene = path.scene();
-  const MediumVertex vertex(*scene.phase, accel::pointAt(state.ray, event.t), state.ray.direction, event.anisotropy,
-                            state.boundaryMedium);
+  const MediumVertex vertex(scene.phaseOf(*event.medium), accel::pointAt(state.ray, event.t), state.ray.direction,
+                            event.anisotropy, state.boundaryMedium);
   if (state.length == scene.path.maxDepth) co_return false;
   beginVertex(path, state.length);
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <functional>
 #include <numbers>
 
 #include "tests/render/film_checks.h"
@@ -19,7 +20,10 @@ class PointInSphere {
  public:
   std::array<double, 3> light{0.1, 0.6, -0.2};
   Color sigmaT{0.5f, 1, 1.25f}, albedo{0.9f, 0.7f, 0.5f};
-  double g = 0.4, intensity = 5;
+  double intensity = 5;
+  /// Of the cosine between directions of travel.
+  std::function<double(double)> phase = [](double cosine) { return henyeyGreenstein(0.4, cosine); };
+  std::string phaseElement = R"(<phase type="hg"><float name="g" value="0.4"/></phase>)";
 
   Color operator()(const Ray<World>& ray) const {
     const std::array<double, 2> inside = throughSphere(ray, 1);
@@ -35,7 +39,7 @@ class PointInSphere {
         }
         const double distance = std::sqrt(squared);
         // Directions of travel: light comes from the lamp, the path goes on towards it.
-        return std::exp(-sigma * (t - inside[0] + distance)) * henyeyGreenstein(g, projected / distance) / squared;
+        return std::exp(-sigma * (t - inside[0] + distance)) * phase(projected / distance) / squared;
       };
       return intensity * sigma * static_cast<double>(albedo[c]) * integrate(along, inside[0], inside[1], 40);
     });
@@ -44,7 +48,8 @@ class PointInSphere {
   std::string medium(const std::string& sampling) const {
     return sampling.empty()
                ? R"(<medium type="homogeneous"><rgb name="sigma_t" value="0.5, 1, 1.25"/>
-                    <rgb name="albedo" value="0.9, 0.7, 0.5"/><float name="g" value="0.4"/></medium>)"
+                    <rgb name="albedo" value="0.9, 0.7, 0.5"/>)" +
+                     phaseElement + "</medium>"
                // The slope makes the shader one that varies; where it is seen it is next to nothing.
                : fmt::format(
                      R"(<medium type="ramp">{}<float name="at_zero" value="1"/><float name="slope" value="1e-7"/>
@@ -83,6 +88,27 @@ TEST_P(SingleScattering, AFaultOfTwoPercentIsFound) {
 std::string samplerName(const ::testing::TestParamInfo<const char*>& info) {
   constexpr std::array names{"closedForm", "nullScattering", "marching"};
   return names[info.index];
+}
+
+TEST(PhasesOfMedia, ScatterOnceAsTheirFormulasSay) {
+  const auto rayleigh = [](double c) { return 3 / (16 * std::numbers::pi) * (1 + c * c); };
+  PointInSphere expected;
+  const auto agrees = [&](const std::string& element, const std::function<double(double)>& formula) {
+    expected.phaseElement = element;
+    expected.phase = formula;
+    const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", lookingBelow, expected.content(""));
+    return shows(scene, *scene.render(2048), expected);
+  };
+  EXPECT_TRUE(agrees(R"(<phase type="rayleigh"/>)", rayleigh));
+  EXPECT_FALSE(agrees(R"(<phase type="rayleigh"/>)", [](double c) { return henyeyGreenstein(0, c); }));
+  // 1, 3, 2 over the cosine from -1 to 1 has the integral 2π (2 + 2.5).
+  EXPECT_TRUE(agrees(R"(<phase type="tabphase"><string name="values" value="1, 3, 2"/></phase>)",
+                     [](double c) { return (c < 0 ? 3 + 2 * c : 3 - c) / (9 * std::numbers::pi); }));
+  EXPECT_TRUE(agrees(R"(<phase type="blendphase"><float name="weight" value="0.25"/><phase type="rayleigh" name="b"/>
+                        <phase type="hg" name="a"><float name="g" value="-0.3"/></phase></phase>)",
+                     [&](double c) { return 0.75 * henyeyGreenstein(-0.3, c) + 0.25 * rayleigh(c); }));
+  EXPECT_TRUE(agrees(R"(<phase type="draine"><float name="g" value="0.5"/><float name="alpha" value="4"/></phase>)",
+                     [](double c) { return henyeyGreenstein(0.5, c) * (1 + 4 * c * c) / 3; }));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SingleScattering,

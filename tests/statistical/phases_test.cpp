@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "core/render/registry.h"
+#include "core/volume/phase_mixture.h"
+#include "core/volume/tabulated_phase.h"
 #include "plugins/registration.h"
 #include "tests/statistical/statistics.h"
 
@@ -157,6 +159,25 @@ TEST(Phases, EveryRegisteredOne) {
       Uniforms random(seedOfTest(setting++));
       EXPECT_TRUE(check(*phase, p, random)) << phase->name() << ' ' << ::testing::PrintToString(p);
     }
+  }
+}
+
+TEST(Phases, Assembled) {
+  const Registry registry = allPlugins();
+  const auto registered = [&](const char* name) {
+    return std::shared_ptr<const PhaseFunction>(std::shared_ptr<const PhaseFunction>(), registry.phase(name));
+  };
+  using volume::PhaseMixture;
+  const PhaseMixture mixture({{1, registered("henyey_greenstein"), {0.97f}}, {0.5f, registered("draine"), {-0.3f, 4}}});
+  const volume::TabulatedPhase table({0.5f, 0, 2});
+  const PhaseMixture nested({{1, {std::shared_ptr<const PhaseFunction>(), &table}, {}},
+                             {3, {std::shared_ptr<const PhaseFunction>(), &mixture}, {}}});
+  std::uint64_t setting = 0;
+  for (const PhaseFunction* phase :
+       {static_cast<const PhaseFunction*>(&mixture), static_cast<const PhaseFunction*>(&table),
+        static_cast<const PhaseFunction*>(&nested)}) {
+    Uniforms random(seedOfTest(setting++));
+    EXPECT_TRUE(check(*phase, {}, random)) << phase->name();
   }
 }
 

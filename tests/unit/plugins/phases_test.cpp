@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/render/medium_phase.h"
 #include "core/render/registry.h"
 #include "plugins/registration.h"
 
@@ -77,6 +78,38 @@ TEST_F(HenyeyGreensteinTest, EveryRandomNumberGivesAUnitDirection) {
       }
     }
   }
+}
+
+TEST(MediumPhase, RayleighIsItsFormula) {
+  Registry registry;
+  registerPlugins(registry);
+  scene::Phase phase;
+  phase.type = scene::PhaseType::rayleigh;
+  const auto rayleigh = makePhase(phase, registry);
+  for (const double c : {-1.0, -0.3, 0.0, 0.8, 1.0}) {
+    const auto expected = 3 / (16 * std::numbers::pi) * (1 + c * c);
+    EXPECT_NEAR(static_cast<double>(rayleigh->evaluate({}, Deflection::fromCosine(c))) / expected, 1, 1e-6);
+  }
+}
+
+TEST(MediumPhase, DropletsScatterAsMieTheoryHasThem) {
+  Registry registry;
+  registerPlugins(registry);
+  scene::Phase phase;
+  phase.type = scene::PhaseType::mie;
+  const auto meanCosine = [&](float diameter_um) {
+    phase.particleDiameter_um = diameter_um;
+    return static_cast<double>(makePhase(phase, registry)->meanCosine({}));
+  };
+  // Asymmetry of water droplets in visible light: clouds 0.85 to 0.89, tiny particles scatter evenly. (van de Hulst
+  // 1957; Hu and Stamnes 1993)
+  EXPECT_NEAR(meanCosine(10), 0.865, 0.01);
+  EXPECT_NEAR(meanCosine(20), 0.875, 0.01);
+  EXPECT_NEAR(meanCosine(0.01f), 0, 0.01);
+  // The ranges of the fit meet.
+  EXPECT_NEAR(meanCosine(0.0999f), meanCosine(0.1001f), 0.02);
+  EXPECT_NEAR(meanCosine(1.4999f), meanCosine(1.5001f), 0.005);
+  EXPECT_NEAR(meanCosine(4.9999f), meanCosine(5.0001f), 0.002);
 }
 
 }  // namespace

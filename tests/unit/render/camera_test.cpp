@@ -118,6 +118,34 @@ TEST(Camera, ThinLensMeetsOnThePlaneOfFocus) {
   EXPECT_FALSE(Camera(s.sensor, s.film).hasLens());
 }
 
+TEST(Camera, AnOrthographicOneHasParallelRays) {
+  View s;
+  s.sensor.type = scene::SensorType::orthographic;
+  s.sensor.nearClip = 0.5f;
+  s.sensor.farClip = 8;
+  // Scaled by 3 across and by 2 along the view.
+  const Matrix4 m{{{3, 0, 0, 0}, {0, 3, 0, 0}, {0, 0, 2, 10}, {0, 0, 0, 1}}};
+  Matrix4 inverse;
+  ASSERT_TRUE(invert(m, inverse));
+  s.sensor.toWorld = {m, inverse};
+  EXPECT_FALSE(Camera(s.sensor, s.film).hasLens());
+  for (const float x : {0.0f, 50.0f, 200.0f}) {
+    const Ray<World> ray = s.ray(x, 25);
+    EXPECT_EQ(ray.direction, Vector<World>(0, 0, 1));
+    EXPECT_NEAR(ray.origin.x, 3 * (1 - x / 100), 1e-6);
+    EXPECT_NEAR(ray.origin.y, 3 * 0.25, 1e-6);
+    EXPECT_NEAR(ray.at(ray.tMin).z, 10 + 2 * 0.5, 1e-5);
+    EXPECT_NEAR(ray.at(ray.tMax).z, 10 + 2 * 8, 1e-5);
+  }
+}
+
+TEST(Camera, ThePrincipalPointShiftsTheFilm) {
+  View s, shifted;
+  shifted.sensor.principalPointX = 0.25f;
+  shifted.sensor.principalPointY = -0.5f;
+  EXPECT_EQ(shifted.ray(50, 50).direction, s.ray(100, 0).direction);
+}
+
 TEST(Camera, ThePlanarDensityOfRaysIsUniformOnTheFilm) {
   // The image plane at z = 1 is spanned linearly by film coordinates.
   const View s;

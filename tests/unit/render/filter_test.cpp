@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace aerosol::render {
 namespace {
@@ -94,6 +95,38 @@ TEST(Filter, NegativeLobesCarryTheirSign) {
     second += mitchell(x) * x * x * 4 / 100000;
   }
   EXPECT_NEAR(meanOver(filter, square), second, 5e-3);
+}
+
+TEST(Filter, CubicsAreThoseOfTheirPapers) {
+  // Mitchell and Netravali at B = C = 1/3: 8/9 and 1/18 at 0 and ±1; Catmull-Rom interpolates: 1, 0 and 0, least at
+  // 4/3.
+  scene::ReconstructionFilter description = describe(scene::FilterType::mitchell, 2);
+  const Filter mitchell(description);
+  EXPECT_NEAR(mitchell.evaluate(0), 8.0 / 9, 2e-6);
+  EXPECT_NEAR(mitchell.evaluate(1), 1.0 / 18, 2e-6);
+  EXPECT_NEAR(mitchell.evaluate(-1.5), (-7.0 / 3 * 3.375 + 12 * 2.25 - 20 * 1.5 + 32.0 / 3) / 6, 2e-6);
+  EXPECT_NEAR(meanOver(mitchell, one), 1, 5e-3);
+  description.b = 1;
+  description.c = 0;  // The B-spline: no negative lobe.
+  EXPECT_NEAR(Filter(description).evaluate(0), 2.0 / 3, 2e-6);
+  EXPECT_EQ(Filter(description).sample({0.01f, 0.5f}).weight, 1.0f);
+  const Filter catmullRom(describe(scene::FilterType::catmullrom, 2));
+  EXPECT_NEAR(catmullRom.evaluate(0), 1, 2e-6);
+  EXPECT_NEAR(catmullRom.evaluate(1), 0, 2e-6);
+  EXPECT_NEAR(catmullRom.evaluate(4.0 / 3), -2.0 / 27, 2e-6);
+}
+
+TEST(Filter, LanczosIsAWindowedSinc) {
+  const Filter filter(describe(scene::FilterType::lanczos, 3));
+  // ∫ sinc(x) sinc(x/3) over [-3, 3], by 10^6 midpoints.
+  double integral = 0;
+  const auto f = [](double x) {
+    const double a = std::numbers::pi * x;
+    return std::sin(a) / a * std::sin(a / 3) / (a / 3);
+  };
+  for (int i = 0; i < 1000000; ++i) integral += f(3 * (2 * (i + 0.5) / 1000000 - 1)) * 6e-6;
+  for (const double x : {-2.5, -1.5, 0.25, 1.0, 2.75}) EXPECT_NEAR(filter.evaluate(x), f(x) / integral, 5e-6) << x;
+  EXPECT_NEAR(meanOver(filter, one), 1, 5e-3);
 }
 
 TEST(Filter, IsMonotone) {

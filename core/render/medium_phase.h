@@ -1,0 +1,15 @@
+// Phase functions that a scene gives a medium.
+#pragma once
+
+#include <memory>
+
+#include "core/render/registry.h"
+#include "core/scene/description.h"
+#include "core/volume/phase.h"
+
+namespace aerosol::render {
+
+/// The phase function as described, without parameters of its own. It may refer to functions of `registry`.
+std::shared_ptr<const volume::PhaseFunction> makePhase(const scene::Phase& phase, const Registry& registry);
+
+}  // namespace aerosol::render
