@@ -273,6 +273,7 @@ void recordShadowVolume(const RTCOccludedFunctionNArguments* arguments) {
 
 std::optional<SurfaceHit> Scene::closestHit(const Ray<World>& ray, SpanBuffer& spans, Counters& counters,
                                             const HitKey* after) const {
+  const PhaseScope phase(counters.phase, Phase::tracing);
   ++counters.closestHitQueries;
   Query query(*data_, ray, spans, counters, after);
   if (!query.isValid()) {
@@ -285,6 +286,7 @@ std::optional<SurfaceHit> Scene::closestHit(const Ray<World>& ray, SpanBuffer& s
 }
 
 bool Scene::occluded(const Ray<World>& ray, SpanBuffer& spans, InterfaceBuffer& interfaces, Counters& counters) const {
+  const PhaseScope phase(counters.phase, Phase::tracing);
   ++counters.occlusionQueries;
   interfaces.clear();
   Query query(*data_, ray, spans, counters, nullptr);

@@ -9,6 +9,7 @@
 #include "core/accel/hit.h"
 #include "core/accel/mesh.h"
 #include "core/accel/volume_shape.h"
+#include "core/base/phase.h"
 #include "core/base/result.h"
 
 namespace aerosol::accel {
@@ -21,6 +22,7 @@ struct Counters {
   std::uint64_t spans = 0;        ///< Volume spans returned.
   std::uint64_t openVolumes = 0;  ///< Rays along which a volume primitive's mesh is not closed.
   std::uint64_t invalidRays = 0;  ///< Rays that were not finite; they hit nothing.
+  PhaseMark phase;                ///< What the thread is at.
 
   Counters& operator+=(const Counters& other);
 };

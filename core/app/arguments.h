@@ -28,6 +28,20 @@ struct Crop {
   friend bool operator==(const Crop&, const Crop&) = default;
 };
 
+/// Samples first ≤ i < end of every pixel.
+struct SampleRange {
+  int first = 0, end = 0;
+
+  friend bool operator==(const SampleRange&, const SampleRange&) = default;
+};
+
+/// What EXR files may hold beside the picture.
+enum class Aov : std::uint8_t {
+  error,    ///< Standard error of each colour.
+  samples,  ///< Samples of the pixel.
+  cost      ///< Points at which shaders were run, a sample.
+};
+
 struct RenderArguments {
   std::filesystem::path scene;
   std::vector<std::string> outputs;
@@ -38,12 +52,64 @@ struct RenderArguments {
   std::optional<Crop> crop;
   std::optional<scene::DistanceSampling> distance;
   std::optional<float> stepScale;
-  int threads = 0;  ///< 0: one a processor.
+  std::optional<SampleRange> samples;  ///< A part of the samples; the image is joined later.
+  std::vector<int> frames;             ///< In this order; empty: the scene is one image.
+  bool keepSums = false;               ///< EXR files keep what joining and carrying on need.
+  double checkpointSeconds = 30;       ///< 0: none.
+  bool resume = false;
+  double targetError = 0;  ///< Relative, of the image; 0: all samples are rendered.
+  double timeLimit = 0;    ///< Seconds; 0: none.
+  std::vector<Aov> aovs;
+  std::vector<std::string> without;  ///< Effects forced off.
+  int threads = 0;                   ///< 0: one a processor.
   int textureMemory_MB = 1024;
   bool quiet = false;
+  std::string statisticsFile;  ///< JSON; empty: none.
+  bool explainCost = false;
   bool statistics = false;
   bool countLanes = false;
   KernelArguments kernels;
+};
+
+struct MergeArguments {
+  std::vector<std::string> parts;
+  std::vector<std::string> outputs;
+  std::optional<Crop> crop;   ///< All that is wanted of the film.
+  bool mixed = false;         ///< Parts of other instruction sets or versions are joined too.
+  bool allowMissing = false;  ///< Writes what there is, with its sums.
+  bool quiet = false;
+};
+
+/// A parameter that takes several values.
+struct StudyAxis {
+  std::string parameter;
+  std::vector<std::string> values;
+};
+
+struct StudyArguments {
+  RenderArguments render;  ///< The scene and all that is common to its renders.
+  std::string folder;
+  std::vector<StudyAxis> axes;
+  double budget = 100;  ///< Seconds of rendering.
+  int size = 160;       ///< Pixels of the longer side.
+  int repetitions = 8;
+};
+
+struct PlanArguments {
+  RenderArguments render;
+  int size = 160;  ///< Pixels of the pilot's longer side.
+};
+
+struct DoctorArguments {
+  RenderArguments render;
+  int size = 96;  ///< Pixels of the pilot's longer side.
+};
+
+struct SubmitArguments {
+  RenderArguments render;
+  std::string folder;  ///< Of the job's files; empty: beside the first output.
+  int tasks = 8;       ///< Into which the samples of a frame are cut, at most.
+  bool slurm = false;
 };
 
 /// The rule for make that says what a shader depends on.
@@ -81,6 +147,7 @@ struct ToolArguments {
   std::vector<std::filesystem::path> shaderPath;  ///< $AEROSOL_SHADER_PATH.
 };
 
-using Arguments = std::variant<RenderArguments, HelpArguments, VersionArguments, ToolArguments>;
+using Arguments = std::variant<RenderArguments, MergeArguments, StudyArguments, PlanArguments, DoctorArguments,
+                               SubmitArguments, HelpArguments, VersionArguments, ToolArguments>;
 
 }  // namespace aerosol::app

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <limits>
 #include <utility>
 
+#include "core/app/frames.h"
+#include "core/app/option_helpers.h"
 #include "core/app/tools/tool.h"
 #include "core/base/diagnostic.h"
 #include "core/scene/value.h"
@@ -28,6 +29,8 @@ constexpr const char* renderExamples = R"(Examples:
   aerosol render cloud.xml --spp 4 --crop 300,200,64,64  a quick look at one corner
   aerosol render cloud.xml --set cumulus.density=12     tries another density
   aerosol render cloud.xml -D sun=40                    gives $sun in the scene a value
+  aerosol render cloud.xml --samples 0:64 -o a.exr      a part of the samples, for aerosol merge
+  aerosol render cloud.xml --frames 1-100 -o cloud.%04d.exr
 
 Ctrl-C ends the render and writes what there is, with its number of samples in the file's metadata; pressed once more,
 it ends the program at once.)";
@@ -35,113 +38,63 @@ it ends the program at once.)";
 /// Wide enough for the longest option, so that all texts stand in one column.
 constexpr std::size_t optionColumn = 31;
 
-[[noreturn]] void refuse(const std::string& option, const std::string& why) { throw CLI::ValidationError(option, why); }
-
-/// An option whose text `parse` turns into a value, or refuses.
-template <class Parse>
-CLI::Option* addParsed(CLI::App& app, const std::string& names, const char* valueName, Parse parse, const char* help) {
-  const std::string shown = names.substr(names.find("--"));
-  return app
-      .add_option_function<std::string>(
-          names, [parse, shown](const std::string& text) { parse(shown, text); }, help)
-      ->option_text(valueName);
-}
-
-template <class Target>
-CLI::Option* addInteger(CLI::App& app, const std::string& names, Target& target, int minimum, const char* help) {
-  const auto parse = [&target, minimum](const std::string& option, const std::string& text) {
-    scene::TextError error;
-    const std::optional<int> value = scene::parseInteger(text, error);
-    if (!value) refuse(option, fmt::format("'{}' is not an integer", text));
-    if (*value < minimum) refuse(option, fmt::format("must be at least {}, not {}", minimum, *value));
-    target = *value;
+void addPartOptions(CLI::App& app, RenderArguments& render) {
+  const auto samples = [&render](const std::string& option, const std::string& text) {
+    render.samples = parseSampleRange(text);
+    if (!render.samples) refuse(option, fmt::format("'{}' is not two numbers A:B with 0 <= A < B", text));
   };
-  return addParsed(app, names, "N", parse, help);
-}
-
-/// A list option that takes one value each time that it is given.
-template <class T>
-CLI::Option* addList(CLI::App& app, const std::string& names, const char* valueName, std::vector<T>& target,
-                     const char* help) {
-  return app.add_option(names, target, help)->allow_extra_args(false)->option_text(valueName);
-}
-
-void addShaderPath(CLI::App& app, KernelArguments& kernels) {
-  addList(app, "--shader-path", "DIR", kernels.shaderPath,
-          "Look for shaders here first; repeatable. $AEROSOL_SHADER_PATH\n"
-          "(folders between colons) comes next");
-}
-
-void addKernelOptions(CLI::App& app, KernelArguments& kernels) {
-  addShaderPath(app, kernels);
-  const auto parseWidth = [&kernels](const std::string& option, const std::string& text) {
-    if (text != "16" && text != "8" && text != "4" && text != "1") {
-      refuse(option, fmt::format("'{}' is not one of 16, 8, 4, 1", text));
-    }
-    scene::TextError error;
-    kernels.width = scene::parseInteger(text, error);
+  addParsed(app, "--samples", "A:B", samples,
+            "Render the samples A <= i < B of each pixel alone; aerosol merge\njoins the files to the same image");
+  const auto frames = [&render](const std::string& option, const std::string& text) {
+    auto list = parseFrames(text);
+    if (!list) refuse(option, fmt::format("'{}' is not a list of frames such as 7, 1-100 or 1-100x5,200", text));
+    render.frames = std::move(*list);
   };
-  addParsed(app, "--width", "16|8|4|1", parseWidth,
-            "Points that compiled shaders work on at once [best of the machine]");
-  const auto parseIsa = [&kernels](const std::string& option, const std::string& text) {
-    if (text != "avx2" && text != "avx512") refuse(option, fmt::format("'{}' is not one of avx2, avx512", text));
-    kernels.isa = text;
+  addParsed(app, "--frames", "LIST", frames,
+            "Render these frames, such as 1-100 or 1-100x5,200: $frame in the\n"
+            "scene is the number, and so is %04d in the names of outputs");
+  app.add_flag("--keep-sums", render.keepSums, "Keep in EXR files what aerosol merge needs (--samples does)");
+  const auto checkpoint = [&render](const std::string& option, const std::string& text) {
+    const auto seconds = parseSeconds(text);
+    if (!seconds) refuse(option, fmt::format("'{}' is not a time such as 30, 90s, 5m or 2h", text));
+    render.checkpointSeconds = *seconds;
   };
-  addParsed(app, "--isa", "avx2|avx512", parseIsa, "Instruction set of shaders and ray queries [best of the machine]");
-  app.add_flag_callback(
-      "--no-cache", [&kernels] { kernels.useCache = false; }, "Compile all shaders anew, keep nothing");
-}
-
-void addSceneOptions(CLI::App& app, RenderArguments& render) {
-  const auto define = [&render](const std::string& option, const std::string& text) {
-    const std::size_t equals = text.find('=');
-    if (equals == 0 || equals == std::string::npos) refuse("-D", fmt::format("'{}' is not NAME=VALUE", text));
-    const auto [place, isNew] = render.defines.emplace(text.substr(0, equals), text.substr(equals + 1));
-    if (!isNew) refuse(option, fmt::format("'{}' is given twice", place->first));
+  addParsed(app, "--checkpoint", "TIME", checkpoint,
+            "Save the state so often, beside the first output as\nNAME.checkpoint.exr [30s]; 0: never");
+  const auto error = [&render](const std::string& option, const std::string& text) {
+    const bool isPercent = text.ends_with('%');
+    scene::TextError why;
+    const auto number = scene::parseFloat(isPercent ? text.substr(0, text.size() - 1) : text, why);
+    if (!number || !(*number > 0)) refuse(option, fmt::format("'{}' is not an error such as 1% or 0.01", text));
+    render.targetError = static_cast<double>(*number) * (isPercent ? 0.01 : 1);
   };
-  app.add_option_function<std::vector<std::string>>(
-         "-D,--define",
-         [define](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) define("-D", text);
-         },
-         "Give $NAME in the scene a value; repeatable")
-      ->allow_extra_args(false)
-      ->option_text("NAME=VALUE");
-  addList(app, "--set", "TARGET.PARAMETER=VALUE", render.overrides,
-          "Change a parameter after the scene is read; repeatable. TARGET\n"
-          "is an id, a shader or a kind of object: cumulus.density=2,\n"
-          "film.width=640, sun.irradiance=4; * is everything that has it");
-}
-
-std::optional<scene::DistanceSampling> parseDistance(const std::string& text) {
-  if (text == "auto") return scene::DistanceSampling::automatic;
-  if (text == "marching") return scene::DistanceSampling::marching;
-  if (text == "null") return scene::DistanceSampling::nullScattering;
-  return {};
+  addParsed(app, "--target-error", "ERROR", error,
+            "Render until the error of the image, as a part of its mean, is\n"
+            "no larger, such as 1%; --spp is the most samples then");
+  const auto time = [&render](const std::string& option, const std::string& text) {
+    const auto seconds = parseSeconds(text);
+    if (!seconds || !(*seconds > 0)) refuse(option, fmt::format("'{}' is not a time such as 90, 90s, 5m or 2h", text));
+    render.timeLimit = *seconds;
+  };
+  addParsed(app, "--time", "TIME", time, "Render as many samples as this time allows, such as 60s or 5m");
+  app.add_flag("--resume", render.resume, "Go on where the last checkpoint is; the image is the same");
 }
 
 void addSamplingOptions(CLI::App& app, RenderArguments& render) {
   addInteger(app, "--spp", render.samplesPerPixel, 1, "Samples a pixel, instead of the scene's");
-  addInteger(app, "--seed", render.seed, 0, "Seed of all random numbers, instead of the scene's");
   const auto crop = [&render](const std::string& option, const std::string& text) {
     render.crop = parseCrop(text);
     if (!render.crop) refuse(option, fmt::format("'{}' is not four integers x,y,w,h, w and h at least 1", text));
   };
   addParsed(app, "--crop", "X,Y,W,H", crop, "Render these pixels alone, counted from the upper left corner");
-  const auto distance = [&render](const std::string& option, const std::string& text) {
-    render.distance = parseDistance(text);
-    if (!render.distance) refuse(option, fmt::format("'{}' is not one of auto, marching, null", text));
-  };
-  addParsed(app, "--distance", "auto|marching|null", distance,
-            "Sample distances in all media so, whatever the scene says: by\n"
-            "ray marching or by null scattering");
-  const auto stepScale = [&render](const std::string& option, const std::string& text) {
-    scene::TextError error;
-    render.stepScale = scene::parseFloat(text, error);
-    if (!render.stepScale) refuse(option, fmt::format("'{}' is not a number", text));
-    if (!(*render.stepScale > 0)) refuse(option, fmt::format("must be greater than 0, not {}", text));
-  };
-  addParsed(app, "--step-scale", "FACTOR", stepScale, "Multiply all ray marching steps, instead of the scene's factor");
+  addMethodOptions(app, render);
+}
+
+std::optional<Aov> parseAov(const std::string& text) {
+  if (text == "error") return Aov::error;
+  if (text == "samples") return Aov::samples;
+  if (text == "cost") return Aov::cost;
+  return {};
 }
 
 void addRender(CLI::App& program, RenderArguments& render) {
@@ -154,13 +107,33 @@ void addRender(CLI::App& program, RenderArguments& render) {
           "Image to write, .exr, .png or .jpg; repeatable\n[the scene's name with .png, in the current folder]");
   addSceneOptions(app, render);
   addSamplingOptions(app, render);
+  addPartOptions(app, render);
   addInteger(app, "--threads", render.threads, 1,
              "Threads that prepare and render [one a processor]; the image is the same");
   addInteger(app, "--texture-memory", render.textureMemory_MB, 16,
              "Megabytes for decoded texels of all threads [1024]; the image\nis the same");
   addKernelOptions(app, render.kernels);
   app.add_flag("--quiet,-q", render.quiet, "No progress; warnings and shader messages stay");
-  app.add_flag("--stats", render.statistics, "Print statistics at the end");
+  app.add_flag_callback(
+         "--stats", [&render] { render.statistics = true; },
+         "Print statistics at the end; --stats FILE.json writes them")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  app.add_option("--stats-file", render.statisticsFile)->group("");
+  app.add_flag("--explain-cost", render.explainCost, "Print where the time went: shader by shader, and all the rest");
+  const auto aov = [&render](const std::string& option, const std::string& text) {
+    const auto known = parseAov(text);
+    if (!known) refuse(option, fmt::format("'{}' is not one of error, samples, cost", text));
+    render.aovs.push_back(*known);
+  };
+  app.add_option_function<std::vector<std::string>>(
+         "--aov",
+         [aov](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) aov("--aov", text);
+         },
+         "Add channels to EXR files: the standard error of pixels, their\nsamples, or the points at which shaders were "
+         "run; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("error|samples|cost");
   app.add_flag("--count-lanes", render.countLanes, "Print statistics with the lanes used inside shaders (slower)");
 }
 
@@ -169,6 +142,12 @@ void addTools(CLI::App& program) {
   program.add_subcommand("compile", "Check and compile shaders, and report about them, as OSL's oslc does");
   program.add_subcommand("info", "Show what shaders take and give, as OSL's oslinfo does");
   program.add_subcommand("shade", "Run shaders on a grid of points, as OSL's testshade does");
+}
+
+void addShaderPath(CLI::App& app, KernelArguments& kernels) {
+  addList(app, "--shader-path", "DIR", kernels.shaderPath,
+          "Look for shaders here first; repeatable. $AEROSOL_SHADER_PATH\n"
+          "(folders between colons) comes next");
 }
 
 void addHelp(CLI::App& program, HelpArguments& help) {
@@ -182,6 +161,11 @@ void addHelp(CLI::App& program, HelpArguments& help) {
 struct Parser {
   CLI::App app{"Aerosol, a path tracer for scripted volumes", "aerosol"};
   RenderArguments render;
+  MergeArguments merge;
+  StudyArguments study;
+  PlanArguments plan;
+  DoctorArguments doctor;
+  SubmitArguments submit;
   HelpArguments help;
   bool version = false;
 
@@ -195,6 +179,11 @@ struct Parser {
     app.require_subcommand(0, 1);
     app.add_flag("--version", version, "Show the versions of the program and its libraries");
     addRender(app, render);
+    addMerge(app, merge);
+    addStudy(app, study);
+    addPlan(app, plan);
+    addDoctor(app, doctor);
+    addSubmit(app, submit);
     addTools(app);
     addHelp(app, help);
     for (CLI::App* command : app.get_subcommands({})) command->group("Commands");
@@ -251,6 +240,22 @@ void appendSearchPath(std::string_view variable, std::vector<std::filesystem::pa
   }
 }
 
+/// `--stats FILE.json` and `--stats=FILE.json` name a file; `--stats` before anything else stands alone.
+std::vector<std::string> nameStatisticsFile(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words;
+  const auto isFile = [](const std::string& word) { return word.ends_with(".json") && word[0] != '-'; };
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i] == "--stats" && i + 1 < arguments.size() && isFile(arguments[i + 1])) {
+      words.push_back("--stats-file=" + arguments[++i]);
+    } else if (arguments[i].starts_with("--stats=")) {
+      words.push_back("--stats-file=" + arguments[i].substr(8));
+    } else {
+      words.push_back(arguments[i]);
+    }
+  }
+  return words;
+}
+
 }  // namespace
 
 std::optional<Crop> parseCrop(std::string_view text) {
@@ -268,6 +273,16 @@ std::optional<Crop> parseCrop(std::string_view text) {
   const Crop crop{numbers[0], numbers[1], numbers[2], numbers[3]};
   if (crop.x < 0 || crop.y < 0 || crop.width < 1 || crop.height < 1) return {};
   return crop;
+}
+
+std::optional<SampleRange> parseSampleRange(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) return {};
+  scene::TextError error;
+  const auto first = scene::parseInteger(text.substr(0, colon), error);
+  const auto end = scene::parseInteger(text.substr(colon + 1), error);
+  if (!first || !end || *first < 0 || *end <= *first) return {};
+  return SampleRange{*first, *end};
 }
 
 std::vector<std::string> commandNames() {
@@ -294,8 +309,9 @@ std::variant<Arguments, Reply> parseCommandLine(const std::vector<std::string>& 
     return Arguments(std::move(call));
   }
   Parser parser;
+  const std::vector<std::string> words = nameStatisticsFile(arguments);
   try {
-    parser.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    parser.app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
     return Reply{ExitCode::success, parser.app.help()};
   } catch (const CLI::ExtrasError&) {
@@ -306,10 +322,17 @@ std::variant<Arguments, Reply> parseCommandLine(const std::vector<std::string>& 
                       isProgram ? "see: aerosol --help" : "see: aerosol help " + parser.chosen().get_name());
   }
   if (parser.version) return Arguments(VersionArguments{});
-  for (KernelArguments* kernels : {&parser.render.kernels, &parser.help.kernels}) {
+  for (KernelArguments* kernels :
+       {&parser.render.kernels, &parser.study.render.kernels, &parser.plan.render.kernels,
+        &parser.doctor.render.kernels, &parser.submit.render.kernels, &parser.help.kernels}) {
     appendSearchPath(shaderPathVariable, kernels->shaderPath);
   }
   if (parser.chose("render")) return Arguments(std::move(parser.render));
+  if (parser.chose("merge")) return Arguments(std::move(parser.merge));
+  if (parser.chose("study")) return Arguments(std::move(parser.study));
+  if (parser.chose("plan")) return Arguments(std::move(parser.plan));
+  if (parser.chose("doctor")) return Arguments(std::move(parser.doctor));
+  if (parser.chose("submit")) return Arguments(std::move(parser.submit));
   if (parser.chose("help")) return Arguments(std::move(parser.help));
   return usageError("no command is given", fmt::format("commands are {}", fmt::join(commandNames(), ", ")));
 }

@@ -32,4 +32,7 @@ std::string commandHelp(const std::string& command);
 /// "x,y,w,h" in pixels: x and y at least 0, w and h at least 1.
 std::optional<Crop> parseCrop(std::string_view text);
 
+/// "a:b" with 0 ≤ a < b.
+std::optional<SampleRange> parseSampleRange(std::string_view text);
+
 }  // namespace aerosol::app

@@ -4,6 +4,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include <fstream>
 #include <set>
 
 #include "core/image/pending_file.h"
@@ -84,6 +85,18 @@ Diagnostics writeOutputs(const std::vector<std::string>& names, const image::Ima
     const auto written = image::writeImage(name, picture, optionsFor(name, film));
     if (!written) errors.append(written.errors());
   }
+  return errors;
+}
+
+Diagnostics writeTextFile(const std::string& name, const std::string& text) {
+  auto file = image::PendingFile::create(name);
+  if (!file) return file.errors();
+  std::ofstream stream(file->path(), std::ios::binary);
+  stream << text;
+  stream.close();
+  if (stream) return file->commit();
+  Diagnostics errors;
+  errors.error({name, 0, 0}, "cannot write this file");
   return errors;
 }
 

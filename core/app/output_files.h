@@ -28,4 +28,7 @@ Diagnostics tryOutputs(const std::vector<std::string>& names, const scene::Film&
 Diagnostics writeOutputs(const std::vector<std::string>& names, const image::ImageBuffer& picture,
                          const scene::Film& film);
 
+/// A text file, complete or not at all.
+Diagnostics writeTextFile(const std::string& name, const std::string& text);
+
 }  // namespace aerosol::app

@@ -102,12 +102,17 @@ std::vector<image::Metadata> describeRender(const RenderRecord& record, const Sa
   if (!record.arguments.overrides.empty()) {
     entries.add("overrides", fmt::format("{}", fmt::join(record.arguments.overrides, " ")));
   }
+  if (!record.arguments.without.empty()) {
+    entries.add("without", fmt::format("{}", fmt::join(record.arguments.without, " ")));
+  }
   entries.add("spp", counts.mean);
   entries.add("sppMinimum", static_cast<int>(counts.minimum));
   entries.add("sppMaximum", static_cast<int>(counts.maximum));
   entries.add("samples", static_cast<double>(counts.total));
-  entries.add("firstSample", 0);
-  entries.add("endSample", description.sampler.sampleCount);
+  entries.add("firstSample", static_cast<int>(record.range.first));
+  entries.add("endSample", static_cast<int>(record.range.end));
+  const render::PixelRect area = cropOf(description.film);
+  entries.add("crop", fmt::format("{},{},{},{}", area.x0, area.y0, area.width(), area.height()));
   entries.add("interrupted", record.report.interrupted ? 1 : 0);
   entries.add("sampler", nameOf(description.sampler.type));
   entries.add("seed", description.sampler.seed);
@@ -117,8 +122,7 @@ std::vector<image::Metadata> describeRender(const RenderRecord& record, const Sa
   entries.add("rrDepth", description.integrator.rrDepth);
   entries.add("distance", nameOf(record.arguments.distance.value_or(description.integrator.distance)));
   entries.add("stepScale", static_cast<double>(description.integrator.stepScale));
-  entries.add("renderSeconds", record.report.seconds);
-  entries.add("embreeIsa", record.scene.geometry->isa());
+  entries.add("renderSeconds", record.secondsBefore + record.report.seconds);
   entries.add("shaderIsa", std::string(jit::name(record.target.isa)));
   entries.add("shaderWidth", record.target.width);
   return metadata;
@@ -144,6 +148,39 @@ image::ImageBuffer makePicture(const render::Film& film, const scene::Film& desc
   }
   picture.pixels.resize(3 * film.area().pixelCount());
   return picture;
+}
+
+bool hasAov(const RenderArguments& arguments, Aov aov) {
+  return std::find(arguments.aovs.begin(), arguments.aovs.end(), aov) != arguments.aovs.end();
+}
+
+void addAovs(const RenderArguments& arguments, const render::Film& film, const render::CostMap* cost,
+             image::ImageBuffer& picture) {
+  if (arguments.aovs.empty()) return;
+  const bool wantsError = hasAov(arguments, Aov::error), wantsSamples = hasAov(arguments, Aov::samples);
+  const bool wantsCost = hasAov(arguments, Aov::cost) && cost;
+  const std::size_t before = picture.channels.size();
+  if (wantsError) picture.channels.insert(picture.channels.end(), {"error.R", "error.G", "error.B"});
+  if (wantsSamples) picture.channels.push_back("samples");
+  if (wantsCost) picture.channels.push_back("cost");
+  std::vector<float> pixels;
+  pixels.reserve(film.area().pixelCount() * picture.channels.size());
+  auto old = picture.pixels.begin();
+  for (int y = film.area().y0; y < film.area().y1; ++y) {
+    for (int x = film.area().x0; x < film.area().x1; ++x) {
+      pixels.insert(pixels.end(), old, old + static_cast<std::ptrdiff_t>(before));
+      old += static_cast<std::ptrdiff_t>(before);
+      const render::PixelEstimate pixel = film.estimate(x, y);
+      const Color error = pixel.standardError;
+      if (wantsError) pixels.insert(pixels.end(), {error.r, error.g, error.b});
+      if (wantsSamples) pixels.push_back(static_cast<float>(pixel.count));
+      if (wantsCost) {
+        const double samples = std::max(1.0, static_cast<double>(pixel.count + film.pixel(x, y).dropped()));
+        pixels.push_back(static_cast<float>(static_cast<double>(cost->points(x, y)) / samples));
+      }
+    }
+  }
+  picture.pixels = std::move(pixels);
 }
 
 }  // namespace aerosol::app

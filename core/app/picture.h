@@ -32,13 +32,21 @@ struct RenderRecord {
   const render::PreparedScene& scene;
   const render::RenderReport& report;
   jit::Target target;
+  SampleRange range;         ///< Asked for.
+  double secondsBefore = 0;  ///< Of the render that was carried on.
 };
 
-/// What the file says about itself: program, scene, options, samples asked for and reached, seed, time, instruction
-/// sets.
+/// What the file says about itself: program, scene, options, samples asked for and reached, seed, time.
 std::vector<image::Metadata> describeRender(const RenderRecord& record, const SampleCounts& counts);
 
 /// Channels R, G, B and, where the scene's film asks for it, A; placed within the whole film.
 image::ImageBuffer makePicture(const render::Film& film, const scene::Film& described);
+
+bool hasAov(const RenderArguments& arguments, Aov aov);
+
+/// Adds the channels that the arguments ask for: "error.R", "error.G", "error.B", "samples", "cost". `cost` may be null
+/// when it is not asked for.
+void addAovs(const RenderArguments& arguments, const render::Film& film, const render::CostMap* cost,
+             image::ImageBuffer& picture);
 
 }  // namespace aerosol::app

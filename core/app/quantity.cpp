@@ -47,6 +47,11 @@ std::string formatMean(double mean) {
   return mean == std::floor(mean) ? formatCount(static_cast<std::uint64_t>(mean)) : fmt::format("{:.1f}", mean);
 }
 
+std::string formatError(double error) {
+  const double percent = 100 * error;
+  return fmt::format("{:.{}f}%", percent, percent >= 9.95 ? 0 : percent >= 0.995 ? 1 : percent >= 0.0995 ? 2 : 3);
+}
+
 std::string formatPercent(double part, double whole) {
   return whole > 0 ? fmt::format("{:.1f} %", 100 * part / whole) : "-";
 }

@@ -24,6 +24,9 @@ std::string formatShort(double number);
 /// A mean of counts: "16" where it is whole, else "15.8".
 std::string formatMean(double mean);
 
+/// A relative error with two digits: "1.8%", "0.23%".
+std::string formatError(double error);
+
 /// Share of a whole: "97.3 %"; "-" of nothing.
 std::string formatPercent(double part, double whole);
 

@@ -4,22 +4,23 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <memory>
-#include <thread>
 
+#include "core/app/cost_report.h"
+#include "core/app/film_file.h"
+#include "core/app/frames.h"
 #include "core/app/interrupt.h"
 #include "core/app/output_files.h"
 #include "core/app/picture.h"
 #include "core/app/progress.h"
 #include "core/app/quantity.h"
-#include "core/app/registered_types.h"
+#include "core/app/render_rounds.h"
+#include "core/app/scene_session.h"
 #include "core/app/shader_report.h"
 #include "core/app/statistics_report.h"
-#include "core/app/toolchain.h"
-#include "core/render/prepare.h"
+#include "core/render/film_archive.h"
 #include "core/render/renderer.h"
-#include "core/scene/loader.h"
-#include "plugins/registration.h"
 
 namespace aerosol::app {
 
@@ -29,49 +30,24 @@ using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// What the arguments change in a scene. An error when the crop does not lie within the film.
-Diagnostics applyArguments(const RenderArguments& arguments, scene::SceneDescription& description) {
-  Diagnostics errors;
-  if (arguments.samplesPerPixel) description.sampler.sampleCount = *arguments.samplesPerPixel;
-  if (arguments.seed) description.sampler.seed = *arguments.seed;
-  if (arguments.stepScale) description.integrator.stepScale = *arguments.stepScale;
-  if (arguments.distance) {
-    description.integrator.distance = *arguments.distance;
-    for (scene::Medium& medium : description.media) medium.sampling.distance.reset();
-    for (scene::Volume& volume : description.volumes) volume.sampling.distance.reset();
-  }
-  if (!arguments.crop) return errors;
-  const Crop& crop = *arguments.crop;
-  scene::Film& film = description.film;
-  if (crop.width > film.width - crop.x || crop.height > film.height - crop.y) {
-    errors.error({}, fmt::format("--crop {},{},{},{} reaches beyond the film of {} x {} pixels", crop.x, crop.y,
-                                 crop.width, crop.height, film.width, film.height));
-    return errors;
-  }
-  film.cropOffsetX = crop.x;
-  film.cropOffsetY = crop.y;
-  film.cropWidth = crop.width;
-  film.cropHeight = crop.height;
-  return errors;
-}
+bool isExr(const std::string& name) { return name.size() > 4 && name.ends_with(".exr"); }
 
-/// One run of the command, step by step. A step that fails has told why.
+/// One image, step by step. A step that fails has told why.
 class Render {
  public:
-  Render(const RenderArguments& arguments, const Console& console)
-      : arguments_(arguments), console_(console), watch_(console) {
-    render::registerPlugins(registry_);
-  }
+  Render(const RenderArguments& arguments, const Console& console, InterruptWatch& watch)
+      : arguments_(arguments), console_(console), watch_(watch), session_(arguments, console) {}
 
   ExitCode run() {
     outputs_ = outputNames(arguments_.outputs, arguments_.scene);
-    if (!accept(checkOutputNames(outputs_))) return ExitCode::usage;
-    if (!accept(checkOutputPlaces(outputs_)) || !load() || !prepare()) return ExitCode::badInput;
-    if (!accept(tryOutputs(outputs_, description_->film))) return ExitCode::badInput;
+    if (!accept(checkOutputNames(outputs_)) || !accept(checkCombination())) return ExitCode::usage;
+    if (!accept(checkOutputPlaces(outputs_)) || !prepare() || !chooseSamples()) return ExitCode::badInput;
+    if (arguments_.resume && isThere()) return ExitCode::success;
+    if (!accept(tryOutputs(outputs_, session_.description().film)) || !resume()) return ExitCode::badInput;
     renderFilm();
     const bool isWritten = write();
     tell();
-    if (!isWritten) return ExitCode::badInput;
+    if (!writeStatistics() || !isWritten) return ExitCode::badInput;
     return report_.interrupted ? ExitCode::interrupted : ExitCode::success;
   }
 
@@ -81,63 +57,206 @@ class Render {
     return !diagnostics.hasErrors();
   }
 
-  bool load() {
-    const Clock::time_point start = Clock::now();
-    Diagnostics warnings;
-    auto loaded =
-        scene::load(arguments_.scene, {arguments_.defines, arguments_.overrides, registeredTypes(registry_)}, warnings);
-    console_.report(warnings);
-    if (!loaded) return accept(loaded.errors());
-    description_ = std::move(*loaded);
-    times_.load = secondsSince(start);
-    return accept(applyArguments(arguments_, *description_));
+  bool prepare() {
+    if (!session_.load() || !session_.prepare()) return false;
+    job_ = describeJob(arguments_, session_.description(), session_.scene());
+    return accept(applyCrop(arguments_.crop, session_.description().film));
   }
 
-  bool prepare() {
-    const Clock::time_point start = Clock::now();
-    Diagnostics warnings;
-    auto toolchain = openToolchain(arguments_.kernels, warnings);
-    if (!toolchain) {
-      console_.report(warnings);
-      return accept(toolchain.errors());
+  bool keepsSums() const { return arguments_.keepSums || arguments_.samples; }
+
+  /// Options that exclude each other, and what needs an EXR file.
+  Diagnostics checkCombination() const {
+    Diagnostics errors;
+    const bool hasGoal = arguments_.targetError > 0 || arguments_.timeLimit > 0;
+    if (hasGoal && arguments_.samples) {
+      errors.error({}, "--samples says how many samples there are; --target-error and --time find out",
+                   {"leave one of them out"});
     }
-    render::PrepareOptions options;
-    options.shaderPath = arguments_.kernels.shaderPath;
-    options.shaderLibrary = toolchain->installation.shaders;
-    options.compiler = toolchain->compiler;
-    options.cache = cache_ = toolchain->cache;
-    options.target = target_ = toolchain->target;
-    options.embreeIsa = arguments_.kernels.isa;
-    options.laneCounters = arguments_.countLanes;
-    options.textureMemory_MB = arguments_.textureMemory_MB;
-    options.threads = threadCount();
-    auto prepared = render::prepare(*description_, registry_, options, warnings);
-    console_.report(warnings);
-    if (!prepared) return accept(prepared.errors());
-    scene_ = std::move(*prepared);
-    times_.prepare = secondsSince(start);
+    if (!arguments_.aovs.empty() && keepsSums()) {
+      errors.error({}, "--aov belongs to a finished image, not to a part of one: leave --samples and --keep-sums out");
+    }
+    if (hasAov(arguments_, Aov::cost) && arguments_.resume) {
+      errors.error({}, "the cost of samples is not kept in checkpoints: leave --resume or --aov cost out");
+    }
+    if (!arguments_.aovs.empty() && std::none_of(outputs_.begin(), outputs_.end(), isExr)) {
+      errors.error({outputs_.front(), 0, 0}, "--aov needs an EXR file to write");
+    }
+    if (keepsSums() && std::none_of(outputs_.begin(), outputs_.end(), isExr)) {
+      errors.error({outputs_.front(), 0, 0},
+                   fmt::format("{} needs an EXR file to write", arguments_.samples ? "--samples" : "--keep-sums"));
+    }
+    return errors;
+  }
+
+  bool chooseSamples() {
+    const int count = session_.description().sampler.sampleCount;
+    range_ = arguments_.samples.value_or(SampleRange{0, count});
+    if (range_.end <= count) return true;
+    Diagnostics errors;
+    errors.error(
+        {}, fmt::format("--samples {}:{} reaches beyond the {} samples of a pixel", range_.first, range_.end, count),
+        {fmt::format("--spp {} gives the whole image more, the same for all of its parts", range_.end)});
+    return accept(errors);
+  }
+
+  /// Whether an earlier run has made all outputs.
+  bool isThere() const {
+    const render::PixelRect area = cropOf(session_.description().film);
+    for (const std::string& name : outputs_) {
+      if (!isDone(name, job_, range_, area)) return false;
+    }
+    if (!arguments_.quiet) console_.note(fmt::format("{} is done already\n", fmt::join(outputs_, ", ")));
     return true;
   }
 
-  int threadCount() const {
-    return arguments_.threads > 0 ? arguments_.threads
-                                  : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  /// The film as the last checkpoint left it, or an empty one.
+  bool resume() {
+    const render::PixelRect area = cropOf(session_.description().film);
+    film_ = std::make_unique<render::Film>(area);
+    std::error_code ignored;
+    if (!arguments_.resume) return true;
+    const std::string name = checkpointName(outputs_.front());
+    if (!std::filesystem::exists(name, ignored)) {
+      if (!arguments_.quiet)
+        console_.note(fmt::format("{} is not there: the render starts from the beginning\n", name));
+      return true;
+    }
+    auto file = readFilmFile(name);
+    if (!file) return accept(file.errors());
+    if (const std::string why = whyNotResumable(*file); !why.empty()) {
+      console_.report(Diagnostic{Severity::error,
+                                 {name, 0, 0},
+                                 "this checkpoint cannot be carried on: " + why,
+                                 {},
+                                 {"remove the file, or leave --resume out, to start from the beginning"}});
+      return false;
+    }
+    film_ = std::move(file->film);
+    secondsBefore_ = file->seconds;
+    hasCheckpoint_ = true;
+    if (!arguments_.quiet) {
+      console_.note(
+          fmt::format("going on from {}, with {} samples a pixel\n", name, formatMean(countSamples(*film_).mean)));
+    }
+    return true;
+  }
+
+  std::string whyNotResumable(const FilmFile& file) const {
+    Job asked = job_;
+    asked.sampleCount = file.job.sampleCount;  // More or fewer samples are samples of the same image.
+    if (std::string difference = differenceOf(file.job, asked); !difference.empty()) return difference;
+    if (file.job.embreeIsa != job_.embreeIsa) {
+      return fmt::format("it was rendered with the instruction set {}, not {}", file.job.embreeIsa, job_.embreeIsa);
+    }
+    if (file.job.code != job_.code) return fmt::format("it is of version {} of the program", file.job.code);
+    if (file.film->area() != film_->area()) return "it shows other pixels";
+    if (!samplesLieWithin(*file.film, range_)) return "it has samples that are not asked for now";
+    return {};
+  }
+
+  static bool samplesLieWithin(const render::Film& film, const SampleRange& range) {
+    const auto first = static_cast<std::uint64_t>(range.first), end = static_cast<std::uint64_t>(range.end);
+    for (int y = film.area().y0; y < film.area().y1; ++y) {
+      for (int x = film.area().x0; x < film.area().x1; ++x) {
+        const auto ranges = film.pixel(x, y).ranges();
+        if (!ranges.empty() && (ranges.front().first < first || ranges.back().end > end)) return false;
+      }
+    }
+    return true;
   }
 
   void renderFilm() {
-    film_ = std::make_unique<render::Film>(cropOf(description_->film));
-    ProgressDisplay display(console_);
+    const Goal goal{arguments_.targetError, timeLeft(), mostSamples()};
+    ProgressDisplay display(console_, goal.error);
     render::RenderOptions options;
-    options.threads = threadCount();
-    options.endSample = static_cast<std::uint32_t>(description_->sampler.sampleCount);
+    options.threads = session_.threadCount();
+    options.firstSample = static_cast<std::uint32_t>(range_.first);
+    options.endSample = static_cast<std::uint32_t>(range_.end);
+    options.profile = arguments_.explainCost || !arguments_.statisticsFile.empty();
+    if (hasAov(arguments_, Aov::cost)) cost_ = std::make_unique<render::CostMap>(film_->area());
+    options.cost = cost_.get();
+    const auto start = Clock::now();
+    if (arguments_.checkpointSeconds > 0) {
+      options.checkpointSeconds = arguments_.checkpointSeconds;
+      options.checkpoint = [&](std::string sums) { writeCheckpoint(std::move(sums), secondsSince(start)); };
+    }
     options.stop = &watch_.stopFlag();
     if (!arguments_.quiet) options.progress = [&](const render::Progress& progress) { display.show(progress); };
     watch_.startRendering();
-    report_ = render::render(*scene_, *registry_.integrator(description_->integrator.type), *film_, options);
-    display.finish();
+    const render::Integrator& integrator = session_.integrator();
+    if (goal) {
+      const GoalReport reached = renderTowards(goal, session_.scene(), integrator, *film_, std::move(options));
+      report_ = reached.render;
+      range_.end = static_cast<int>(reached.samples);
+      session_.description().sampler.sampleCount = job_.sampleCount = range_.end;
+      display.finish();
+      tellGoal(goal, reached);
+    } else {
+      report_ = render::render(session_.scene(), integrator, *film_, options);
+      display.finish();
+    }
     // A signal that came when all was done interrupted nothing.
-    const auto samples = static_cast<std::uint64_t>(options.endSample) * film_->area().pixelCount();
+    const auto samples = static_cast<std::uint64_t>(range_.end - range_.first) * film_->area().pixelCount();
     if (film_->sampleCount() + film_->droppedCount() == samples) report_.interrupted = false;
+    keepInterrupted();
+  }
+
+  /// Of the time limit, which preparation is part of; at least what one sample may take.
+  double timeLeft() const {
+    if (!(arguments_.timeLimit > 0)) return 0;
+    return std::max(1e-3, arguments_.timeLimit - session_.times().load - session_.times().prepare);
+  }
+
+  std::uint32_t mostSamples() const {
+    constexpr int unlimited = 1 << 20;
+    return static_cast<std::uint32_t>(arguments_.samplesPerPixel.value_or(unlimited));
+  }
+
+  void tellGoal(const Goal& goal, const GoalReport& reached) const {
+    if (arguments_.quiet || report_.interrupted) return;
+    const bool isReached = !(goal.error > 0) || reached.error <= goal.error;
+    console_.note(fmt::format("{} samples a pixel, error {}{}\n", reached.samples, formatError(reached.error),
+                              isReached ? "" : fmt::format(": {} is not reached", formatError(goal.error))));
+  }
+
+  void keepInterrupted() {
+    const bool isLong = report_.seconds >= arguments_.checkpointSeconds;
+    if (report_.interrupted && arguments_.checkpointSeconds > 0 && (hasCheckpoint_ || isLong)) {
+      writeCheckpoint(render::encodeFilm(*film_), report_.seconds);
+      if (hasCheckpoint_ && !arguments_.quiet) console_.note("add --resume to the same command to go on\n");
+    }
+  }
+
+  /// Its picture shows nothing: drawing it would take the time of the workers. Without compression it is soon written.
+  void writeCheckpoint(std::string sums, double seconds) {
+    image::ImageBuffer picture;
+    picture.width = picture.height = 1;
+    picture.fullWidth = session_.description().film.width;
+    picture.fullHeight = session_.description().film.height;
+    picture.channels = {"R", "G", "B"};
+    if (session_.description().film.pixelFormat == scene::PixelFormat::rgba) picture.channels.push_back("A");
+    picture.pixels.assign(picture.channels.size(), 0);
+    picture.metadata = jobMetadata(job_);
+    picture.metadata.push_back({"aerosol:renderSeconds", secondsBefore_ + seconds});
+    picture.attachment = std::move(sums);
+    image::WriteOptions options;
+    options.compression = "none";
+    const auto written = image::writeImage(checkpointName(outputs_.front()), picture, options);
+    if (written) {
+      hasCheckpoint_ = true;
+    } else if (!warnedOfCheckpoint_) {
+      warnedOfCheckpoint_ = true;
+      for (Diagnostic each : written.errors().entries()) {
+        each.severity = Severity::warning;
+        console_.report(each);
+      }
+    }
+  }
+
+  void removeCheckpoint() {
+    std::error_code ignored;
+    if (hasCheckpoint_) std::filesystem::remove(checkpointName(outputs_.front()), ignored);
   }
 
   bool write() {
@@ -146,10 +265,17 @@ class Render {
       console_.note("aerosol: not one sample was finished, no image is written\n");
       return true;
     }
-    image::ImageBuffer picture = makePicture(*film_, description_->film);
-    picture.metadata = describeRender({arguments_, *description_, *scene_, report_, target_}, counts);
-    const bool pointsAreSaved = accept(scene_->services->finish());
-    if (!accept(writeOutputs(outputs_, picture, description_->film)) || !pointsAreSaved) return false;
+    image::ImageBuffer picture = makePicture(*film_, session_.description().film);
+    picture.metadata = describeRender(
+        {arguments_, session_.description(), session_.scene(), report_, session_.target(), range_, secondsBefore_},
+        counts);
+    const auto ofJob = jobMetadata(job_);
+    picture.metadata.insert(picture.metadata.end(), ofJob.begin(), ofJob.end());
+    addAovs(arguments_, *film_, cost_.get(), picture);
+    if (keepsSums()) picture.attachment = render::encodeFilm(*film_);
+    const bool pointsAreSaved = accept(session_.scene().services->finish());
+    if (!accept(writeOutputs(outputs_, picture, session_.description().film)) || !pointsAreSaved) return false;
+    if (!report_.interrupted) removeCheckpoint();
     if (!arguments_.quiet) {
       for (const std::string& name : outputs_) {
         console_.note(fmt::format("wrote {}: {} x {} pixels, {} samples a pixel, {}\n", name, picture.width,
@@ -159,41 +285,73 @@ class Render {
     return true;
   }
 
+  bool writeStatistics() {
+    if (arguments_.statisticsFile.empty()) return true;
+    return accept(writeTextFile(arguments_.statisticsFile,
+                                statisticsJson({session_.scene(), report_, *film_, session_.times(),
+                                                session_.threadCount(), arguments_.scene.filename().string()})));
+  }
+
   void tell() {
-    const ShaderReport report = reportMessages(scene_->messages->sorted(), scene_->messages->dropped());
+    const ShaderReport report =
+        reportMessages(session_.scene().messages->sorted(), session_.scene().messages->dropped());
     console_.print(report.printed);
     std::fflush(console_.out);
     console_.report(appendToFiles(report.files));
     console_.report(report.messages);
-    Diagnostics found = reportInvalidCoefficients(*scene_);
-    found.append(reportInvalidClosures(*scene_));
-    found.append(reportTrackers(*scene_, report_.statistics.trackers));
+    Diagnostics found = reportInvalidCoefficients(session_.scene());
+    found.append(reportInvalidClosures(session_.scene()));
+    found.append(reportTrackers(session_.scene(), report_.statistics.trackers));
     found.append(reportDroppedSamples(*film_));
-    description_->sources->annotate(found);
+    session_.description().sources->annotate(found);
     console_.report(found);
+    if (arguments_.explainCost) console_.note(explainCost(session_.scene(), report_, session_.threadCount()));
     if (arguments_.statistics || arguments_.countLanes) {
-      console_.note(formatStatistics(*scene_, report_, *film_, times_, threadCount(), cache_.get()));
+      console_.note(formatStatistics(session_.scene(), report_, *film_, session_.times(), session_.threadCount(),
+                                     session_.cache()));
     }
   }
 
   const RenderArguments& arguments_;
   const Console& console_;
-  InterruptWatch watch_;
-  render::Registry registry_;
+  InterruptWatch& watch_;
+  SceneSession session_;
   std::vector<std::string> outputs_;
-  std::optional<scene::SceneDescription> description_;
-  std::shared_ptr<jit::ObjectCache> cache_;
-  jit::Target target_;
-  std::unique_ptr<const render::PreparedScene> scene_;
   std::unique_ptr<render::Film> film_;
   render::RenderReport report_;
-  PreparationTimes times_;
+  std::unique_ptr<render::CostMap> cost_;
+  Job job_;
+  SampleRange range_;
+  double secondsBefore_ = 0;    ///< Of the render that is carried on.
+  bool hasCheckpoint_ = false;  ///< The file is there and of this render.
+  bool warnedOfCheckpoint_ = false;
 };
+
+/// One after the other; what ends one badly ends all.
+ExitCode renderFrames(const RenderArguments& arguments, const Console& console, InterruptWatch& watch) {
+  for (const std::string& name : arguments.outputs) {
+    if (hasFramePlace(name)) continue;
+    console.note(fmt::format("aerosol: error: '{}' has no place for the number of the frame, such as %04d\n", name));
+    return ExitCode::usage;
+  }
+  for (const int frame : arguments.frames) {
+    RenderArguments single = arguments;
+    single.outputs.clear();
+    const std::vector<std::string> names =
+        arguments.outputs.empty() ? std::vector{arguments.scene.stem().string() + ".%04d.png"} : arguments.outputs;
+    for (const std::string& name : names) single.outputs.push_back(nameOfFrame(name, frame));
+    single.defines.try_emplace("frame", std::to_string(frame));
+    const ExitCode code = Render(single, console, watch).run();
+    if (code != ExitCode::success) return code;
+  }
+  return ExitCode::success;
+}
 
 }  // namespace
 
 ExitCode renderCommand(const RenderArguments& arguments, const Console& console) {
-  return Render(arguments, console).run();
+  InterruptWatch watch(console);
+  return arguments.frames.empty() ? Render(arguments, console, watch).run() : renderFrames(arguments, console, watch);
 }
 
 }  // namespace aerosol::app

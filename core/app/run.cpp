@@ -4,8 +4,13 @@
 #include <variant>
 
 #include "core/app/command_line.h"
+#include "core/app/doctor/doctor_command.h"
 #include "core/app/help_command.h"
+#include "core/app/merge_command.h"
+#include "core/app/plan/plan_command.h"
 #include "core/app/render_command.h"
+#include "core/app/study/study_command.h"
+#include "core/app/submit/submit_command.h"
 #include "core/app/tools/tool.h"
 #include "core/app/version_command.h"
 
@@ -17,6 +22,11 @@ struct Runner {
   const Console& console;
 
   ExitCode operator()(const RenderArguments& arguments) const { return renderCommand(arguments, console); }
+  ExitCode operator()(const MergeArguments& arguments) const { return mergeCommand(arguments, console); }
+  ExitCode operator()(const StudyArguments& arguments) const { return studyCommand(arguments, console); }
+  ExitCode operator()(const PlanArguments& arguments) const { return planCommand(arguments, console); }
+  ExitCode operator()(const DoctorArguments& arguments) const { return doctorCommand(arguments, console); }
+  ExitCode operator()(const SubmitArguments& arguments) const { return submitCommand(arguments, console); }
   ExitCode operator()(const HelpArguments& arguments) const { return helpCommand(arguments, console); }
   ExitCode operator()(const ToolArguments& arguments) const { return runTool(arguments, console); }
   ExitCode operator()(const VersionArguments&) const { return versionCommand(console); }

@@ -30,6 +30,7 @@ struct ImageBuffer {
   std::vector<std::string> channels;
   std::vector<float> pixels;  ///< width * height * channels.size() values.
   std::vector<Metadata> metadata;
+  std::string attachment;  ///< Bytes that EXR keeps beside the picture, in a second part; other formats drop them.
 };
 
 enum class PixelType : std::uint8_t { automatic, float32, float16, uint8, uint16 };

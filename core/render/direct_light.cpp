@@ -41,6 +41,7 @@ Ray<World> shadowRay(const ScatteringVertex& vertex, const LightSample& light, f
 }  // namespace
 
 volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time) {
+  std::optional<PhaseScope> phase(std::in_place, path.statistics().accel.phase, Phase::lights);
   const LightSet& lights = path.scene().lights;
   LightUniforms uniforms;
   uniforms.place = path.random().next2D();
@@ -56,6 +57,7 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   if (isBlack(scattered)) co_return Color();
   const float pdf = light->pdf * choice->probability;
   const float weight = light->isDelta ? 1.0f : balance(pdf, vertex.pdf(light->direction));
+  phase.reset();
   const Color transmittance =
       co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction));
   co_return scattered* transmittance*(weight / pdf);

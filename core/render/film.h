@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "core/base/diagnostic.h"
@@ -66,6 +67,12 @@ struct DroppedSample {
   PixelSample value;
 };
 
+template <class A>
+void describe(A& archive, DroppedSample& place) {
+  archive(place.x, place.y, place.sample, place.value.color.r, place.value.color.g, place.value.color.b,
+          place.value.alpha);
+}
+
 /// Mean and standard error of the mean of one pixel; all 0 without samples, the error with fewer than two.
 struct PixelEstimate {
   Color color;
@@ -91,6 +98,11 @@ class Film {
   /// reaches beyond this one's area or has samples in common.
   Diagnostics merge(const Film& other);
 
+  /// Puts back what was read from a file: a pixel without samples becomes `sum`.
+  void restore(int x, int y, PixelSum sum) { pixels_[area_.indexOf(x, y)] = std::move(sum); }
+  /// Places of dropped samples beside those that are known.
+  void recordDropped(std::vector<DroppedSample> dropped);
+
   const PixelSum& pixel(int x, int y) const { return pixels_[area_.indexOf(x, y)]; }
   PixelEstimate estimate(int x, int y) const;
   /// Means as red, green, blue, alpha, row by row.
@@ -100,14 +112,17 @@ class Film {
   std::uint64_t droppedCount() const;  ///< NaN or infinite ones, of all pixels.
   /// The first of them by (y, x, sample).
   const std::vector<DroppedSample>& firstDropped() const { return dropped_; }
+  /// A copy of them, also while tiles are committed.
+  std::vector<DroppedSample> copyFirstDropped() const {
+    const std::scoped_lock lock(droppedMutex_);
+    return dropped_;
+  }
   std::size_t bytes() const;  ///< Memory held.
 
  private:
-  void recordDropped(std::vector<DroppedSample> dropped);
-
   PixelRect area_;
   std::vector<PixelSum> pixels_;
-  std::mutex droppedMutex_;
+  mutable std::mutex droppedMutex_;
   std::vector<DroppedSample> dropped_;
 };
 

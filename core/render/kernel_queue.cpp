@@ -1,6 +1,7 @@
 #include "core/render/kernel_queue.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -44,6 +45,7 @@ KernelQueues::KernelQueues(const PreparedScene& scene, WorkerStatistics& statist
   host_.calls().setFacts(&facts_);
   const auto& families = scene.shading.families();
   queues_.resize(families.size() * shading::variantCount);
+  statistics_.kernels.resize(queues_.size());
   for (std::size_t i = 0; i < queues_.size(); ++i) {
     queues_[i].family = static_cast<std::uint32_t>(i / shading::variantCount);
     queues_[i].variant = static_cast<shading::Variant>(i % shading::variantCount);
@@ -224,15 +226,23 @@ void KernelQueues::scatterSurfaces(const Queue& queue, std::span<PathContext* co
   }
 }
 
-void KernelQueues::count(int points, int width) {
+void KernelQueues::count(const Queue& queue, int points, int width, std::uint64_t nanoseconds) {
   ++statistics_.kernelCalls;
   statistics_.kernelPoints += static_cast<std::uint64_t>(points);
   statistics_.kernelLanes += static_cast<std::uint64_t>((points + width - 1) / width * width);
+  KernelStatistics& kernel = statistics_.kernels[static_cast<std::size_t>(&queue - queues_.data())];
+  ++kernel.calls;
+  kernel.points += static_cast<std::uint64_t>(points);
+  kernel.lanes += static_cast<std::uint64_t>((points + width - 1) / width * width);
+  kernel.nanoseconds += nanoseconds;
+  kernel.countedLanesRun += host_.counters().lanesRun - statistics_.countedLanesRun;
+  kernel.countedLanesUsed += host_.counters().lanesUsed - statistics_.countedLanesUsed;
   statistics_.countedLanesRun = host_.counters().lanesRun;
   statistics_.countedLanesUsed = host_.counters().lanesUsed;
 }
 
 std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext* const> paths) {
+  const PhaseScope gathering(statistics_.accel.phase, Phase::gathering);
   Queue& queue = *std::max_element(queues_.begin(), queues_.end(), [](const Queue& a, const Queue& b) {
     return a.questions.size() < b.questions.size();
   });
@@ -240,12 +250,18 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
   const std::size_t first = batch_.firstOfLast(queue.points);
   running_.assign(queue.questions.begin() + static_cast<std::ptrdiff_t>(first), queue.questions.end());
   facts_.begin(running_, paths);
-  batch_.run(host_, queue.points, first);
+  const auto start = std::chrono::steady_clock::now();
+  {
+    const PhaseScope phase(statistics_.accel.phase, Phase::shaders);
+    batch_.run(host_, queue.points, first);
+  }
+  const auto elapsed = std::chrono::steady_clock::now() - start;
   queue.questions.resize(first);
   queue.points.shrink(first);
   waiting_ -= running_.size();
 
-  count(static_cast<int>(running_.size()), batch_.interface().width);
+  count(queue, static_cast<int>(running_.size()), batch_.interface().width,
+        static_cast<std::uint64_t>(std::chrono::nanoseconds(elapsed).count()));
   if (!host_.records().empty()) scene_.messages->collect(host_, batch_, running_, paths);
   switch (queue.variant) {
     case shading::Variant::surface:

@@ -61,7 +61,7 @@ class KernelQueues {
   void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);
   void scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths);
   void checkCoefficients(volume::Coefficients& answer, std::uint32_t index, PathContext& path);
-  void count(int points, int width);
+  void count(const Queue& queue, int points, int width, std::uint64_t nanoseconds);
 
   const PreparedScene& scene_;
   WorkerStatistics& statistics_;

@@ -18,6 +18,7 @@ using volume::Segment;
 using volume::Task;
 
 void findSegments(PathContext& path, double t0, double t1, const Medium* boundaryMedium) {
+  const PhaseScope phase(path.statistics().accel.phase, Phase::intervals);
   path.mediumSpans.clear();
   if (boundaryMedium) path.mediumSpans.push_back({t0, t1, boundaryMedium});
   for (const accel::Span& span : path.spans) {

@@ -160,6 +160,8 @@ class PathContext {
     const char* const frame = static_cast<const char*>(waiting_.address());
     for (int line = 0; line < 6; ++line) __builtin_prefetch(frame + 64 * line);
   }
+  /// Questions asked so far.
+  std::uint32_t questionCount() const { return questionsBefore_ + static_cast<std::uint32_t>(questions_.size()); }
   /// Counts the questions of a path in the order of asking; `question` is an index into `questions`.
   std::uint32_t questionNumber(std::uint32_t question) const { return questionsBefore_ + question; }
 

@@ -213,6 +213,38 @@ std::vector<PixelSum::Range> PixelSum::ranges() const {
   return joined;
 }
 
+PixelSum::Content PixelSum::content() const {
+  Content content;
+  content.nodes.reserve(nodeCount());
+  for (std::size_t i = 0; i < nodeCount(); ++i) content.nodes.push_back(node(i));
+  if (more_) content.open = more_->samples;
+  content.dropped = dropped_;
+  return content;
+}
+
+std::optional<PixelSum> PixelSum::fromContent(const Content& content) {
+  constexpr std::uint64_t blockCount = (std::uint64_t{1} << 32) / blockSize;
+  PixelSum sum;
+  std::uint64_t next = 0, covered = 0;
+  for (const Node& node : content.nodes) {
+    if (node.level > 26 || node.prefix >= blockSize || (node.prefix > 0 && node.level > 0)) return {};
+    const std::uint64_t size = std::uint64_t{1} << node.level;
+    if (node.block < next || node.block % size != 0 || node.block + size > blockCount) return {};
+    next = node.block + size;
+    const Range range = node.range();
+    covered += range.end - range.first;
+    sum.insertPart(node);
+  }
+  for (const OpenSample& open : content.open) {
+    if (!sum.place(open.index, open.sample)) return {};
+    ++covered;
+  }
+  if (content.dropped > covered || content.dropped > 0x7fffffffu || covered >= std::uint64_t{1} << 32) return {};
+  sum.dropped_ = content.dropped & 0x7fffffffu;
+  sum.count_ = static_cast<std::uint32_t>(covered - content.dropped);
+  return sum;
+}
+
 std::size_t PixelSum::bytes() const {
   if (!more_) return sizeof(PixelSum);
   return sizeof(PixelSum) + sizeof(More) + more_->nodes.capacity() * sizeof(Node) +

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/color.h"
@@ -29,6 +30,13 @@ struct SampleSums {
   friend SampleSums operator+(const SampleSums& a, const SampleSums& b);
   friend bool operator==(const SampleSums&, const SampleSums&) = default;
 };
+
+template <class A>
+void describe(A& archive, SampleSums& sums) {
+  for (double& value : sums.color) archive(value);
+  archive(sums.alpha);
+  for (double& value : sums.squares) archive(value);
+}
 
 /// Any set of samples of one pixel. Samples fall into aligned blocks of 64, which are added in index order; complete
 /// blocks join in one binary tree, each node the sum of its two halves, whoever rendered them. So what is kept of a set
@@ -68,7 +76,6 @@ class PixelSum {
 
   friend bool operator==(const PixelSum& a, const PixelSum& b);
 
- private:
   /// A complete subtree of 2^level blocks, or the first `prefix` samples of a block (then level is 0).
   struct Node {
     SampleSums sums;
@@ -85,6 +92,17 @@ class PixelSum {
     std::uint32_t index = 0;
     PixelSample sample;
   };
+  /// Everything that is kept, to be written to a file and read back.
+  struct Content {
+    std::vector<Node> nodes;       ///< Ascending.
+    std::vector<OpenSample> open;  ///< Ascending.
+    std::uint32_t dropped = 0;
+  };
+  Content content() const;
+  /// None when no sum has this content.
+  static std::optional<PixelSum> fromContent(const Content& content);
+
+ private:
   /// What the common case does without.
   struct More {
     std::vector<Node> nodes;  ///< After the first, ascending.
@@ -111,5 +129,20 @@ class PixelSum {
   std::uint32_t dropped_ : 31 = 0;
   std::uint32_t hasFirst_ : 1 = 0;
 };
+
+template <class A>
+void describe(A& archive, PixelSum::Node& node) {
+  archive(node.sums, node.block, node.level, node.prefix);
+}
+
+template <class A>
+void describe(A& archive, PixelSum::OpenSample& open) {
+  archive(open.index, open.sample.color.r, open.sample.color.g, open.sample.color.b, open.sample.alpha);
+}
+
+template <class A>
+void describe(A& archive, PixelSum::Content& content) {
+  archive(content.nodes, content.open, content.dropped);
+}
 
 }  // namespace aerosol::render

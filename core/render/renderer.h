@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/render/film.h"
 #include "core/render/integrator.h"
@@ -17,7 +19,24 @@ namespace aerosol::render {
 struct Progress {
   double fraction = 0;        ///< Of all samples, 0 to 1.
   double seconds = 0;         ///< Since the start.
-  std::uint64_t samples = 0;  ///< Finished, all pixels together.
+  std::uint64_t samples = 0;  ///< Finished since the start, all pixels together.
+  double before = 0;          ///< Fraction that was there at the start.
+  double error = 0;           ///< Relative error of the image a little earlier (film_error.h); 0: not known.
+};
+
+/// How dear each pixel was: the points at which shaders were run for it. The same for any number of threads.
+class CostMap {
+ public:
+  explicit CostMap(const PixelRect& area) : area_(area), points_(area.pixelCount()) {}
+
+  void add(int x, int y, std::uint64_t points) {
+    points_[area_.indexOf(x, y)].fetch_add(points, std::memory_order_relaxed);
+  }
+  std::uint64_t points(int x, int y) const { return points_[area_.indexOf(x, y)]; }
+
+ private:
+  PixelRect area_;
+  std::vector<std::atomic<std::uint64_t>> points_;
 };
 
 struct RenderOptions {
@@ -27,6 +46,12 @@ struct RenderOptions {
   int pathsInFlight = 512;                        ///< Of one thread.
   int batchSize = 1024;                           ///< Points of one kernel call, at most.
   std::function<void(const Progress&)> progress;  ///< May be empty.
+  std::optional<std::uint64_t> seed;              ///< Instead of the scene's.
+  /// What the film holds so far as bytes (see film_archive.h), now and then while the render goes on; may be empty.
+  std::function<void(std::string)> checkpoint;
+  double checkpointSeconds = 30;            ///< From the end of one to the next; longer where they take long.
+  bool profile = false;                     ///< Look where the threads are, a thousand times a second.
+  CostMap* cost = nullptr;                  ///< Added to, if there is one.
   const std::atomic<bool>* stop = nullptr;  ///< Set by somebody: the render ends soon; the film keeps what is complete.
 };
 
@@ -36,8 +61,8 @@ struct RenderReport {
   bool interrupted = false;
 };
 
-/// Adds the samples [firstSample, endSample) of every pixel of the film's crop. The film's content depends on the
-/// scene, the seed and the samples alone: not on threads, widths, batches or the order of work.
+/// Adds those of the samples [firstSample, endSample) that the pixels of the film's crop do not have. The film's
+/// content depends on the scene, the seed and the samples alone: not on threads, widths, batches or the order of work.
 RenderReport render(const PreparedScene& scene, const Integrator& integrator, Film& film, const RenderOptions& options);
 
 }  // namespace aerosol::render

@@ -2,6 +2,16 @@
 
 namespace aerosol::render {
 
+KernelStatistics& KernelStatistics::operator+=(const KernelStatistics& o) {
+  calls += o.calls;
+  points += o.points;
+  lanes += o.lanes;
+  nanoseconds += o.nanoseconds;
+  countedLanesRun += o.countedLanesRun;
+  countedLanesUsed += o.countedLanesUsed;
+  return *this;
+}
+
 WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   accel += o.accel;
   trackers.points += o.trackers.points;
@@ -25,6 +35,9 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   media.exitsWithoutEntry += o.media.exitsWithoutEntry;
   media.repeatedEntries += o.media.repeatedEntries;
   media.rejectedHits += o.media.rejectedHits;
+  if (kernels.size() < o.kernels.size()) kernels.resize(o.kernels.size());
+  for (std::size_t i = 0; i < o.kernels.size(); ++i) kernels[i] += o.kernels[i];
+  for (std::size_t i = 0; i < phaseCount; ++i) phases[i] += o.phases[i];
   return *this;
 }
 

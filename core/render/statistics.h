@@ -1,13 +1,26 @@
 // Counts of a render. One set a worker, added up at the end.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "core/accel/scene.h"
 #include "core/volume/medium.h"
 #include "core/volume/medium_stack.h"
 
 namespace aerosol::render {
+
+/// Work of one kernel: a shader's program in one variant.
+struct KernelStatistics {
+  std::uint64_t calls = 0;
+  std::uint64_t points = 0;
+  std::uint64_t lanes = 0;  ///< Points rounded up to whole vectors, call by call.
+  std::uint64_t nanoseconds = 0;
+  std::uint64_t countedLanesRun = 0, countedLanesUsed = 0;  ///< As below.
+
+  KernelStatistics& operator+=(const KernelStatistics& other);
+};
 
 struct WorkerStatistics {
   accel::Counters accel;
@@ -22,7 +35,9 @@ struct WorkerStatistics {
   std::uint64_t invalidCoefficients = 0;  ///< Shader results that were NaN, infinite or negative.
   std::uint64_t invalidClosures = 0;      ///< Surface points with closures that were NaN or infinite.
   volume::StackStatistics media;
-  std::uint64_t frameHeapBlocks = 0;  ///< Coroutine frames that did not fit their slot.
+  std::vector<KernelStatistics> kernels;           ///< By family · variantCount + variant.
+  std::array<std::uint64_t, phaseCount> phases{};  ///< How often the thread was seen there; only of profiled renders.
+  std::uint64_t frameHeapBlocks = 0;               ///< Coroutine frames that did not fit their slot.
 
   WorkerStatistics& operator+=(const WorkerStatistics& other);
 };

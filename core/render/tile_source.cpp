@@ -4,12 +4,15 @@
 
 namespace aerosol::render {
 
-TileSource::TileSource(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample) {
+TileSource::TileSource(const Film& film, std::uint32_t firstSample, std::uint32_t endSample)
+    : firstSample_(firstSample), endSample_(endSample) {
+  const PixelRect& area = film.area();
   for (int y = area.y0; y < area.y1; y += tileSize) {
     for (int x = area.x0; x < area.x1; x += tileSize) {
       tiles_.push_back({x, y, std::min(x + tileSize, area.x1), std::min(y + tileSize, area.y1)});
     }
   }
+  findPresent(film);
   std::uint32_t size = 1;
   for (std::uint32_t first = firstSample; first < endSample;) {
     const std::uint32_t blockEnd = (first / PixelSum::blockSize + 1) * PixelSum::blockSize;
@@ -20,11 +23,65 @@ TileSource::TileSource(const PixelRect& area, std::uint32_t firstSample, std::ui
   }
 }
 
+/// Work is done tile by tile, so the pixels of one have the same samples. Where they have not, because films of other
+/// crops were joined, the tile is cut into its pixels.
+void TileSource::findPresent(const Film& film) {
+  if (film.sampleCount() + film.droppedCount() == 0) return;
+  std::vector<PixelRect> parts;
+  const auto add = [&](const PixelRect& part) {
+    present_.push_back(film.pixel(part.x0, part.y0).ranges());
+    for (const PixelSum::Range& range : present_.back()) {
+      const std::uint64_t first = std::max<std::uint64_t>(range.first, firstSample_);
+      const std::uint64_t end = std::min<std::uint64_t>(range.end, endSample_);
+      if (first < end) presentSamples_ += (end - first) * part.pixelCount();
+    }
+    parts.push_back(part);
+  };
+  for (const PixelRect& tile : tiles_) {
+    const auto ranges = film.pixel(tile.x0, tile.y0).ranges();
+    bool isUniform = true;
+    for (int y = tile.y0; y < tile.y1 && isUniform; ++y) {
+      for (int x = tile.x0; x < tile.x1 && isUniform; ++x) isUniform = film.pixel(x, y).ranges() == ranges;
+    }
+    if (isUniform) {
+      add(tile);
+      continue;
+    }
+    for (int y = tile.y0; y < tile.y1; ++y) {
+      for (int x = tile.x0; x < tile.x1; ++x) add({x, y, x + 1, y + 1});
+    }
+  }
+  tiles_ = std::move(parts);
+}
+
+void TileSource::queueMissing(std::size_t tile, const Pass& pass) {
+  const auto add = [&](std::uint64_t first, std::uint64_t end) {
+    if (first < end) {
+      queue_.push_back({tile, tiles_[tile], static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)});
+    }
+  };
+  std::uint64_t end = pass.end;
+  if (!present_.empty()) {
+    for (auto range = present_[tile].rbegin(); range != present_[tile].rend(); ++range) {
+      if (range->first >= end) continue;
+      add(std::max<std::uint64_t>(pass.first, range->end), end);
+      end = range->first;
+      if (end <= pass.first) return;
+    }
+  }
+  add(pass.first, end);
+}
+
 std::optional<TileWork> TileSource::next() {
-  const std::size_t i = next_.fetch_add(1, std::memory_order_relaxed);
-  if (tiles_.empty() || i / tiles_.size() >= passes_.size()) return {};
-  const Pass& pass = passes_[i / tiles_.size()];
-  return TileWork{i % tiles_.size(), tiles_[i % tiles_.size()], pass.first, pass.end};
+  const std::scoped_lock lock(mutex_);
+  while (queue_.empty()) {
+    if (tiles_.empty() || next_ / tiles_.size() >= passes_.size()) return {};
+    queueMissing(next_ % tiles_.size(), passes_[next_ / tiles_.size()]);
+    ++next_;
+  }
+  const TileWork work = queue_.back();
+  queue_.pop_back();
+  return work;
 }
 
 }  // namespace aerosol::render

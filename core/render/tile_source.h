@@ -1,8 +1,8 @@
 // The work of a render: tiles of pixels, pass after pass.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -19,23 +19,37 @@ struct TileWork {
 };
 
 /// Hands out work to any thread. Passes double in size up to a whole block of 64 samples, so that there is a picture
-/// early and little is lost at an interruption; they never cross a block's end.
+/// early and little is lost at an interruption; they never cross a block's end. Samples that the film has already are
+/// left out: a render is carried on with what is missing.
 class TileSource {
  public:
   static constexpr int tileSize = 16;
 
-  TileSource(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample);
+  /// Looks at the film in the constructor alone.
+  TileSource(const Film& film, std::uint32_t firstSample, std::uint32_t endSample);
 
   std::optional<TileWork> next();
-  std::size_t tileCount() const { return tiles_.size(); }
+  const std::vector<PixelRect>& tiles() const { return tiles_; }
+  /// Samples of all pixels that were there already.
+  std::uint64_t presentSamples() const { return presentSamples_; }
 
  private:
   struct Pass {
     std::uint32_t first = 0, end = 0;
   };
+
+  void findPresent(const Film& film);
+  /// Appends what is missing of a pass over a tile to the queue, last part first.
+  void queueMissing(std::size_t tile, const Pass& pass);
+
+  std::uint32_t firstSample_, endSample_;
   std::vector<PixelRect> tiles_;
+  std::vector<std::vector<PixelSum::Range>> present_;  ///< By tile: samples that are there; empty when the film is.
   std::vector<Pass> passes_;
-  std::atomic<std::size_t> next_{0};
+  std::uint64_t presentSamples_ = 0;
+  std::mutex mutex_;
+  std::size_t next_ = 0;  ///< Pass · tiles + tile.
+  std::vector<TileWork> queue_;
 };
 
 }  // namespace aerosol::render

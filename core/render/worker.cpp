@@ -76,7 +76,7 @@ bool Worker::startPath(std::uint32_t index) {
 
   Slot& slot = slots_[index];
   const PreparedScene& scene = shared_.scene;
-  SampleStream random(scene.sampler, scene.seed, id.x, id.y, id.sample);
+  SampleStream random(scene.sampler, shared_.options.seed.value_or(scene.seed), id.x, id.y, id.sample);
   const FilterSample offset = scene.filter->sample(random.next2D());
   CameraSample camera;
   camera.x = static_cast<float>(id.x) + 0.5f + offset.dx;
@@ -93,18 +93,21 @@ bool Worker::startPath(std::uint32_t index) {
 }
 
 void Worker::post(PathContext& path) {
+  const PhaseScope phase(statistics_.accel.phase, Phase::gathering);
   const auto questions = path.questions();
   for (std::uint32_t i = 0; i < questions.size(); ++i) queues_.push(questions[i], path, {running_, i});
   if (questions[0].medium) statistics_.trackers.points += questions.size();
 }
 
 void Worker::finish(std::uint32_t index) {
+  const PhaseScope phase(statistics_.accel.phase, Phase::film);
   Slot& slot = slots_[index];
   const Radiance radiance = slot.task->take();
   slot.task.reset();
   const PathId& id = slot.path->id();
   OpenTile& tile = *slot.tile;
   tile.samples.add(id.x, id.y, id.sample, radiance.color * slot.filterWeight, radiance.alpha);
+  if (shared_.options.cost) shared_.options.cost->add(id.x, id.y, slot.path->questionCount());
   ++statistics_.samples;
   if (tile.samples.isComplete()) close(&tile);
   free_.push_back(index);

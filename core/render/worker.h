@@ -36,6 +36,7 @@ class Worker final : public QuestionSink {
 
   void run();
   const WorkerStatistics& statistics() const { return statistics_; }
+  const PhaseMark& phase() const { return statistics_.accel.phase; }
 
  private:
   /// A tile of which samples are in flight.

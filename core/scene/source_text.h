@@ -42,6 +42,8 @@ class SourceTexts {
   const SourceText& add(std::string file, std::string text, std::filesystem::path directory);
   /// Null when unknown.
   const SourceText* find(const std::string& file) const;
+  /// By file name.
+  const std::map<std::string, std::unique_ptr<const SourceText>>& all() const { return texts_; }
   /// Fills in the source lines of messages that lack theirs; lines of more than 500 bytes are not shown,
   /// control characters only as '?'.
   void annotate(Diagnostics& diagnostics) const;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/scene/loader.h"
 #include "tests/render/film_checks.h"
 
 // Hard cases of overlapping, touching, many, thin and far volumes as whole renders: finite, and right in the mean.
@@ -127,6 +128,20 @@ TEST(StepSizes, FarTooSmallIsBoundedAndReported) {
   EXPECT_EQ(report.statistics.trackers.stepLimits, 2u);
   EXPECT_LE(report.statistics.trackers.points, 2u * volume::maximumSteps);
   EXPECT_NEAR(film->estimate(0, 0).color.g, 1, 1e-4);
+}
+
+/// Errors that name the place, none of them a render that does not end.
+TEST(StepSizes, ZeroNegativeAndNaNAreRefused) {
+  for (const char* step : {"0", "-1", "nan", "-1e-30"}) {
+    Diagnostics warnings;
+    const std::string xml = sceneXml("", wide,
+                                     fmt::format(R"(<volume type="sphere"><medium type="homogeneous">
+        <float name="step_size" value="{}"/></medium></volume>)",
+                                                 step));
+    const auto loaded = scene::loadString(xml, "test.xml", {}, {}, warnings);
+    ASSERT_FALSE(loaded) << step;
+    EXPECT_GT(loaded.errors().entries()[0].location.line, 0) << step;
+  }
 }
 
 TEST(StepSizes, LargerThanTheVolumeIsOneCell) {

@@ -1,12 +1,17 @@
 // Reading and writing through OpenImageIO. Internal to the module.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "core/image/image.h"
 #include "core/image/plain_image.h"
 
 namespace aerosol::image {
+
+/// The part of an EXR that holds an attachment, and its largest width.
+inline constexpr const char* attachmentName = "aerosol.attachment";
+inline constexpr std::size_t attachmentWidth = 4096;
 
 /// See ModuleTable.
 std::string writeFile(const std::string& path, const std::string& format, const ImageBuffer& image,

@@ -1,6 +1,8 @@
 #include <OpenImageIO/imageio.h>
 
+#include <cstdint>
 #include <exception>
+#include <vector>
 
 #include "core/image/module/files.h"
 
@@ -25,6 +27,24 @@ void copyMetadata(const OIIO::ImageSpec& spec, std::vector<Metadata>& metadata) 
   }
 }
 
+/// Reads the attachment, if the file has one.
+std::string readAttachment(OIIO::ImageInput& input, std::string& bytes) {
+  for (int part = 1; input.seek_subimage(part, 0); ++part) {
+    const OIIO::ImageSpec& spec = input.spec();
+    if (spec.get_string_attribute("oiio:subimagename") != attachmentName) continue;
+    if (spec.nchannels != 1 || spec.format != OIIO::TypeDesc::UINT32) return "its attachment has another form";
+    std::vector<std::uint32_t> words(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
+    if (!input.read_image(part, 0, 0, 1, OIIO::TypeDesc::UINT32, words.data())) return input.geterror();
+    if (words.size() < 2) return "its attachment is damaged";
+    const std::uint64_t size = words[0] | std::uint64_t{words[1]} << 32;
+    if (size > 4 * (words.size() - 2)) return "its attachment is damaged";
+    bytes.assign(reinterpret_cast<const char*>(words.data() + 2), size);
+    return {};
+  }
+  static_cast<void>(input.geterror());  // Of looking behind the last part.
+  return {};
+}
+
 std::string read(const std::string& path, ImageBuffer& image) {
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
@@ -46,7 +66,7 @@ std::string read(const std::string& path, ImageBuffer& image) {
     return input->geterror();
   }
   copyMetadata(spec, image.metadata);
-  return {};
+  return readAttachment(*input, image.attachment);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <limits>
 
@@ -51,6 +52,52 @@ std::string store(const std::string& path, const char* format, const OIIO::Image
   return {};
 }
 
+/// Bytes as a part of an EXR: their number in the first two texels, then four a texel.
+struct AttachmentPart {
+  OIIO::ImageSpec spec;
+  std::vector<std::uint32_t> words;
+
+  AttachmentPart(const std::string& bytes, const OIIO::ImageSpec& picture, const std::string& compression) {
+    const std::size_t count = 2 + (bytes.size() + 3) / 4;
+    const std::size_t width = std::min<std::size_t>(count, attachmentWidth);
+    const std::size_t height = (count + width - 1) / width;
+    words.resize(width * height);
+    words[0] = static_cast<std::uint32_t>(bytes.size());
+    words[1] = static_cast<std::uint32_t>(bytes.size() >> 32);
+    std::memcpy(words.data() + 2, bytes.data(), bytes.size());
+    spec = OIIO::ImageSpec(static_cast<int>(width), static_cast<int>(height), 1, OIIO::TypeDesc::UINT32);
+    spec.channelnames = {"words"};
+    // All parts of a file have one display window.
+    spec.full_x = picture.full_x;
+    spec.full_y = picture.full_y;
+    spec.full_width = picture.full_width;
+    spec.full_height = picture.full_height;
+    spec.attribute("compression", compression);
+    spec.attribute("oiio:subimagename", attachmentName);
+  }
+};
+
+std::string storeWithAttachment(const std::string& path, OIIO::ImageSpec spec, const std::vector<float>& pixels,
+                                const std::string& attachment, const std::string& compression) {
+  const AttachmentPart part(attachment, spec, compression);
+  spec.attribute("oiio:subimagename", "picture");
+  const auto output = OIIO::ImageOutput::create("openexr");
+  if (!output) return "OpenImageIO cannot write this format: " + OIIO::geterror();
+  const OIIO::ImageSpec parts[] = {spec, part.spec};
+  if (!output->open(path, 2, parts) || !output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) ||
+      !output->open(path, part.spec, OIIO::ImageOutput::AppendSubimage) ||
+      !output->write_image(OIIO::TypeDesc::UINT32, part.words.data()) || !output->close()) {
+    return output->geterror();
+  }
+  return {};
+}
+
+std::string storeExr(const std::string& path, const OIIO::ImageSpec& spec, const std::vector<float>& pixels,
+                     const ImageBuffer& image, const WriteOptions& options) {
+  if (image.attachment.empty()) return store(path, "openexr", spec, OIIO::TypeDesc::FLOAT, pixels.data());
+  return storeWithAttachment(path, spec, pixels, image.attachment, options.compression);
+}
+
 std::string writeExr(const std::string& path, const ImageBuffer& image, const WriteOptions& options) {
   if (std::ranges::find(compressions, options.compression) == std::end(compressions)) {
     return "'" + options.compression +
@@ -71,13 +118,13 @@ std::string writeExr(const std::string& path, const ImageBuffer& image, const Wr
   }
   spec.attribute("compression", options.compression);
   setMetadata(spec, image.metadata);
-  if (!isHalf) return store(path, "openexr", spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
+  if (!isHalf) return storeExr(path, spec, image.pixels, image, options);
   constexpr float largestHalf = 65504;
   std::vector<float> saturated(image.pixels);
   for (float& value : saturated) {
     if (std::isfinite(value)) value = std::clamp(value, -largestHalf, largestHalf);
   }
-  return store(path, "openexr", spec, OIIO::TypeDesc::FLOAT, saturated.data());
+  return storeExr(path, spec, saturated, image, options);
 }
 
 /// [0, 1] to the whole range of `Integer`, rounded to nearest.

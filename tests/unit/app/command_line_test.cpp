@@ -54,6 +54,48 @@ TEST(CommandLine, LeavesToTheSceneWhatIsNotGiven) {
   EXPECT_TRUE(arguments.kernels.useCache);
 }
 
+TEST(CommandLine, ReadsPartsGoalsAndStatistics) {
+  const RenderArguments arguments =
+      render({"--samples", "7:100",          "--frames",  "1-3",     "--keep-sums", "--checkpoint", "2m",
+              "--resume",  "--target-error", "1%",        "--time",  "90s",         "--aov",        "error",
+              "--aov",     "cost",           "--without", "volumes", "--stats",     "a.json",       "--explain-cost"});
+  EXPECT_EQ(arguments.samples, (SampleRange{7, 100}));
+  EXPECT_THAT(arguments.frames, ElementsAre(1, 2, 3));
+  EXPECT_TRUE(arguments.keepSums && arguments.resume && arguments.explainCost);
+  EXPECT_EQ(arguments.checkpointSeconds, 120);
+  EXPECT_NEAR(arguments.targetError, 0.01, 1e-9);
+  EXPECT_EQ(arguments.timeLimit, 90);
+  EXPECT_THAT(arguments.aovs, ElementsAre(Aov::error, Aov::cost));
+  EXPECT_THAT(arguments.without, ElementsAre("volumes"));
+  EXPECT_EQ(arguments.statisticsFile, "a.json");
+  EXPECT_FALSE(arguments.statistics);
+  EXPECT_TRUE(render({"--stats"}).statistics);
+  EXPECT_EQ(render({"--stats=b.json"}).statisticsFile, "b.json");
+  EXPECT_NEAR(render({"--target-error", "0.02"}).targetError, 0.02, 1e-9);
+  for (const char* samples : {"", "7", "7:7", "-1:3", "a:b", "1:2:3"}) {
+    EXPECT_THAT(refusal({"render", "a.xml", "--samples", samples}), HasSubstr("--samples")) << samples;
+  }
+  EXPECT_THAT(refusal({"render", "a.xml", "--target-error", "0"}), HasSubstr("is not an error such as 1%"));
+  EXPECT_THAT(refusal({"render", "a.xml", "--time", "soon"}), HasSubstr("is not a time such as"));
+  EXPECT_THAT(refusal({"render", "a.xml", "--aov", "depth"}), HasSubstr("is not one of error, samples, cost"));
+}
+
+TEST(CommandLine, ReadsMergeAndStudy) {
+  const auto merge = parsed<MergeArguments>({"merge", "a.exr", "b.exr", "-o", "c.exr", "--mixed"});
+  EXPECT_THAT(merge.parts, ElementsAre("a.exr", "b.exr"));
+  EXPECT_THAT(merge.outputs, ElementsAre("c.exr"));
+  EXPECT_TRUE(merge.mixed);
+  const auto study =
+      parsed<StudyArguments>({"study", "a.xml", "-o", "out", "--vary", "cumulus.octaves=3,5", "--budget", "10m"});
+  ASSERT_EQ(study.axes.size(), 1u);
+  EXPECT_EQ(study.axes[0].parameter, "cumulus.octaves");
+  EXPECT_THAT(study.axes[0].values, ElementsAre("3", "5"));
+  EXPECT_EQ(study.budget, 600);
+  EXPECT_THAT(refusal({"study", "a.xml", "-o", "b", "--vary", "a=1,,2"}), HasSubstr("is not PARAMETER=VALUE"));
+  EXPECT_EQ(parsed<PlanArguments>({"plan", "a.xml"}).render.scene, "a.xml");
+  EXPECT_EQ(parsed<DoctorArguments>({"doctor", "a.xml"}).render.scene, "a.xml");
+}
+
 TEST(CommandLine, ReadsEveryRenderOption) {
   const RenderArguments arguments =
       render({"--spp", "64", "--seed=7", "--crop", "1,2,30,40", "--distance", "null", "--step-scale", "0.5",
@@ -116,7 +158,8 @@ TEST(CommandLine, RefusesWithAHint) {
             "aerosol: error: unknown option '--sp'\n  note: did you mean '--spp', '--isa' or '--set'?\n");
   EXPECT_EQ(refusal({"rendr", "a.xml"}), "aerosol: error: unknown command 'rendr'\n  note: did you mean 'render'?\n");
   EXPECT_EQ(refusal({"paint"}),
-            "aerosol: error: unknown command 'paint'\n  note: commands are render, compile, info, shade, help\n");
+            "aerosol: error: unknown command 'paint'\n  note: commands are render, merge, study, plan, doctor, submit, "
+            "compile, info, shade, help\n");
   EXPECT_EQ(refusal({"render", "a.xml", "b.xml"}),
             "aerosol: error: unexpected argument 'b.xml'\n  note: see: aerosol help render\n");
   EXPECT_THAT(refusal({"render"}), HasSubstr("scene is required"));

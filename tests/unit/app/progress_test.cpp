@@ -38,6 +38,16 @@ TEST(Progress, TellsShareTimesAndRate) {
   EXPECT_EQ(progressText({1, 3600, 7'200'000'000}), "100%  elapsed 1:00:00  remaining 0:00  2.00 M samples/s");
 }
 
+TEST(Progress, TellsTheErrorAndWhenItWillBeSmaller) {
+  // A quarter after 30 s: an error of 1.8% is 1.0% after 3.24 times the work.
+  const std::string text = progressText({0.25, 30, 1'500'000, 0, 0.018});
+  EXPECT_NE(text.find("samples/s  error 1.8%, 1.0% in about 1:07"), std::string::npos) << text;
+  const std::string late = progressText({0.9, 30, 1'500'000, 0, 0.018});
+  EXPECT_EQ(late.substr(late.find("  error")), "  error 1.8%") << "it will not be reached";
+  const std::string target = progressText({0.25, 30, 1'500'000, 0, 0.018}, 0.009);
+  EXPECT_NE(target.find("error 1.8%, 0.90% in about 1:30"), std::string::npos) << target;
+}
+
 TEST(Progress, KnowsNothingBeforeTheFirstSample) {
   EXPECT_EQ(progressText({0, 0, 0}), "  0%  elapsed 0:00  remaining -:--  0 samples/s");
 }

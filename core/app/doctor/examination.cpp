@@ -1,0 +1,217 @@
+#include "core/app/doctor/examination.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/app/doctor/mesh_check.h"
+#include "core/app/quantity.h"
+#include "core/app/shader_report.h"
+
+namespace aerosol::app {
+
+namespace {
+
+using volume::DistanceMethod;
+
+/// Evaluations along one ray beyond which a render does not come to an end.
+constexpr double dearRay = 2e4;
+
+std::string describe(Point<World> p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
+
+bool bounds(const render::PreparedObject& object) {
+  if (object.isBoundary || object.interior || object.exterior) return true;
+  return std::any_of(object.closures.begin(), object.closures.end(),
+                     [](const render::Closure* c) { return c && c->kind() == render::ClosureKind::interior; });
+}
+
+/// Four points that tell an affine image of a sphere.
+bool areEqualSpheres(const scene::Shape& a, const scene::Shape& b) {
+  for (const Vector<Object> offset : {Vector<Object>{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
+    if (!(a.toWorld(a.center + a.radius * offset) == b.toWorld(b.center + b.radius * offset))) return false;
+  }
+  return true;
+}
+
+void reportMesh(const MeshDefects& defects, const SourceLocation& place, Diagnostics& found) {
+  if (defects.openEdges > 0) {
+    found.warning(
+        place,
+        fmt::format("this mesh bounds a medium and has holes: {} with one triangle alone",
+                    formatCount(defects.openEdges, "edge")),
+        {"first near the world point " + describe(*defects.openAt),
+         "rays that go in through the surface and out through a hole keep the medium: close the mesh where it is "
+         "modelled; a surface that is meant to be open, such as water, is fine where all rays end elsewhere"});
+  }
+  if (defects.doubled > 0) {
+    found.warning(
+        place, fmt::format("{} of this mesh stand there twice", formatCount(defects.doubled, "triangle")),
+        {"first at the world point " + describe(*defects.doubledAt), "remove the doubles: a ray enters twice"});
+  }
+  if (defects.crowdedEdges > 0) {
+    found.warning(
+        place, fmt::format("{} of this mesh have three or more triangles", formatCount(defects.crowdedEdges, "edge")),
+        {"first near the world point " + describe(*defects.crowdedAt),
+         "inner walls make inside and outside unclear: remove them"});
+  }
+  if (defects.turnedEdges > 0) {
+    found.warning(place,
+                  fmt::format("neighbours of this mesh disagree about which side is outside, at {}",
+                              formatCount(defects.turnedEdges, "edge")),
+                  {"first near the world point " + describe(*defects.turnedAt), "make the windings consistent"});
+  }
+}
+
+float extentOf(const render::PreparedScene& scene, std::size_t medium) {
+  for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+    if (scene.volumes[v] && scene.volumes[v]->index == medium) {
+      const Box<World> box = scene.geometry->volume(static_cast<accel::VolumeId>(v)).worldBounds();
+      return length(box.upper - box.lower);
+    }
+  }
+  const Box<World> all = scene.geometry->bounds();
+  return all.isEmpty() ? 1.0f : length(all.upper - all.lower);
+}
+
+}  // namespace
+
+Diagnostics examineGeometry(const scene::SceneDescription& description, const render::PreparedScene& scene) {
+  Diagnostics found;
+  std::vector<const accel::TriangleMesh*> meshes(scene.objects.size());
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    if (!bounds(scene.objects[i])) continue;
+    meshes[i] = scene.geometry->mesh(static_cast<accel::ObjectId>(i));
+    const bool isClosedKind = description.shapes[i].type != scene::ShapeType::rectangle;
+    if (meshes[i] && isClosedKind) reportMesh(checkMesh(*meshes[i]), description.shapes[i].origin.location, found);
+  }
+  for (const CoincidentFaces& pair : findCoincidentFaces(meshes)) {
+    const SourceLocation &a = description.shapes[pair.first].origin.location,
+                         &b = description.shapes[pair.second].origin.location;
+    found.warning(
+        b, "this surface coincides with another one that bounds a medium",
+        {fmt::format("the other one is at {}:{}:{}, they meet near {}", a.file, a.line, a.column, describe(pair.at)),
+         "which medium lies between them is up to rounding: let one reach into the other, with priorities, or "
+         "move them apart"});
+  }
+  for (std::size_t i = 0; i < description.shapes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const scene::Shape &a = description.shapes[j], &b = description.shapes[i];
+      const bool areSpheres = a.type == scene::ShapeType::sphere && b.type == scene::ShapeType::sphere;
+      if (!areSpheres || !bounds(scene.objects[i]) || !bounds(scene.objects[j])) continue;
+      if (!areEqualSpheres(a, b)) continue;
+      found.warning(b.origin.location, "this surface coincides with another one that bounds a medium",
+                    {fmt::format("the other one is at {}:{}:{}", a.origin.location.file, a.origin.location.line,
+                                 a.origin.location.column),
+                     "make one of the two spheres larger"});
+    }
+  }
+  return found;
+}
+
+Diagnostics examineSampling(const scene::SceneDescription&, const render::PreparedScene& scene) {
+  Diagnostics found;
+  for (const volume::Medium& medium : scene.media) {
+    if (medium.constant) continue;
+    const SourceLocation& place = scene.mediumLocations[medium.index];
+    const std::string& name = scene.mediumNames[medium.index];
+    const auto extent = static_cast<double>(extentOf(scene, medium.index));
+    if (medium.method == DistanceMethod::marching) {
+      const double steps = extent / static_cast<double>(medium.stepSize);
+      if (steps > dearRay) {
+        found.warning(
+            place,
+            fmt::format("marching through '{}' takes {} steps a ray{}", name, formatShort(steps),
+                        steps > volume::maximumSteps ? ": rays are cut off" : ""),
+            {fmt::format("its step_size is {:.4g} across {:.4g}: give it one of {:.4g} or so, or a density_bound",
+                         static_cast<double>(medium.stepSize), extent, extent / 200)});
+      } else if (steps < 2) {
+        found.warning(place, fmt::format("one step of marching through '{}' is longer than half of it", name),
+                      {fmt::format("its step_size is {:.4g} across {:.4g}: what is inside is missed",
+                                   static_cast<double>(medium.stepSize), extent)});
+      }
+    }
+    if (medium.bound && medium.method == DistanceMethod::nullScattering) {
+      const double collisions = static_cast<double>(medium.bound->value) * extent;
+      if (collisions > dearRay) {
+        found.warning(
+            place,
+            fmt::format("null scattering in '{}' makes {} tentative collisions a ray", name, formatShort(collisions)),
+            {fmt::format("its bound of {:.4g} may be too large: what the shader gives is reported by --stats",
+                         static_cast<double>(medium.bound->value))});
+      }
+    }
+  }
+  return found;
+}
+
+Diagnostics examineInputs(const scene::SceneDescription& description, const render::PreparedScene& scene) {
+  Diagnostics found;
+  std::set<scene::Index> materials, media;
+  for (const scene::Shape& shape : description.shapes) {
+    materials.insert(shape.material);
+    for (const auto& medium : {shape.interior, shape.exterior}) {
+      if (medium) media.insert(*medium);
+    }
+  }
+  for (const scene::Volume& volume : description.volumes) media.insert(volume.medium);
+  if (description.sensor.medium) media.insert(*description.sensor.medium);
+  const auto report = [&](const scene::ShaderUse& shader, const char* kind) {
+    found.warning(shader.origin.location, fmt::format("nothing uses this {}, '{}'", kind, shader.name),
+                  {"refer to it with <ref>, or remove it"});
+  };
+  for (scene::Index i = 0; i < description.materials.size(); ++i) {
+    if (!materials.contains(i)) report(description.materials[i], "material");
+  }
+  for (scene::Index i = 0; i < description.media.size(); ++i) {
+    if (!media.contains(i)) report(description.media[i].shader, "medium");
+  }
+  if (scene.lights.size() == 0) {
+    found.warning(description.integrator.origin.location, "the scene has no light",
+                  {"only what shaders emit will be seen; an <emitter type=\"constant\"/> lights everything"});
+  }
+  return found;
+}
+
+Diagnostics examinePilot(const scene::SceneDescription& description, const render::PreparedScene& scene,
+                         const PilotReport& pilot) {
+  const render::WorkerStatistics& s = pilot.report.statistics;
+  Diagnostics found = reportMessages(scene.messages->sorted(), 0).messages;
+  found.append(reportInvalidCoefficients(scene));
+  found.append(reportInvalidClosures(scene));
+  found.append(reportTrackers(scene, s.trackers));
+  found.append(reportDroppedSamples(*pilot.film));
+  for (std::size_t i = 0; i < scene.media.size(); ++i) {
+    if (scene.messages->invalid().contains(static_cast<std::uint32_t>(i))) {
+      for (Diagnostic& each : found.entries()) {
+        if (each.location == scene.mediumLocations[i]) {
+          each.notes.push_back(
+              "a division by 0, a root or logarithm of a negative number, or a density below 0: bound it "
+              "with max(0, …) in the shader");
+          break;
+        }
+      }
+    }
+  }
+  const std::uint64_t open = s.media.exitsWithoutEntry + s.media.repeatedEntries;
+  if (open > 0) {
+    found.warning(
+        description.sensor.origin.location,
+        fmt::format("{} leave a medium that they never entered, or enter it twice", formatCount(open, "ray")),
+        {"a mesh is open or turned inside out, or the camera stands inside of something: see the meshes above"});
+  }
+  if (s.accel.openVolumes > 0) {
+    found.warning({},
+                  fmt::format("{} go through the mesh of a volume primitive an odd number of times",
+                              formatCount(s.accel.openVolumes, "ray")),
+                  {"the mesh has a hole: close it"});
+  }
+  if (s.accel.invalidRays > 0) {
+    found.warning({}, fmt::format("{} were not finite", formatCount(s.accel.invalidRays, "ray")),
+                  {"transforms of the camera or of objects give coordinates beyond what a float holds"});
+  }
+  return found;
+}
+
+}  // namespace aerosol::app

@@ -1,0 +1,105 @@
+#include "core/app/job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/app/command_line.h"
+#include "core/app/version_command.h"
+#include "core/base/code_version.h"
+#include "core/base/hash.h"
+#include "core/jit/compiler.h"
+
+namespace aerosol::app {
+
+namespace {
+
+/// A program's hash that does not depend on where its files are.
+std::string hashAnywhere(lang::Program program) {
+  for (SourceLocation& location : program.locations) location.file.clear();
+  return jit::hashProgram(program);
+}
+
+void addSorted(StrongHash& hash, std::vector<std::string> pieces) {
+  std::sort(pieces.begin(), pieces.end());
+  hash.add(pieces.size());
+  for (const std::string& piece : pieces) hash.add(piece);
+}
+
+std::string identityOf(const RenderArguments& arguments, const scene::SceneDescription& description,
+                       const render::PreparedScene& scene) {
+  StrongHash hash;
+  std::vector<std::string> texts, meshes, programs;
+  for (const auto& [name, text] : description.sources->all()) texts.push_back(StrongHash().add(text->text()).hex());
+  for (const scene::Shape& shape : description.shapes) {
+    if (!shape.file.empty()) meshes.push_back(hashFile(shape.file).value_or(""));
+  }
+  for (const shading::Family& family : scene.shading.families()) programs.push_back(hashAnywhere(*family.program));
+  addSorted(hash, std::move(texts));
+  addSorted(hash, std::move(meshes));
+  addSorted(hash, std::move(programs));
+  hash.add(arguments.defines.size());
+  for (const auto& [name, value] : arguments.defines) hash.add(name).add(value);
+  hash.add(arguments.overrides.size());
+  for (const std::string& change : arguments.overrides) hash.add(change);
+  addSorted(hash, arguments.without);
+  hash.add(static_cast<std::uint64_t>(description.sampler.seed));
+  hash.add(arguments.distance ? 1 + static_cast<std::uint64_t>(*arguments.distance) : 0);
+  hash.add(fmt::format("{}", description.integrator.stepScale));
+  return hash.hex();
+}
+
+template <class T>
+const T* findValue(const image::ImageBuffer& picture, const char* key) {
+  for (const image::Metadata& entry : picture.metadata) {
+    if (entry.key == key) return std::get_if<T>(&entry.value);
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Job describeJob(const RenderArguments& arguments, const scene::SceneDescription& description,
+                const render::PreparedScene& scene) {
+  return {.identity = identityOf(arguments, description, scene),
+          .embreeIsa = scene.geometry->isa(),
+          .code = fmt::format("{} {}", programVersion(), codeVersion().substr(0, 16)),
+          .sampleCount = description.sampler.sampleCount,
+          .film = description.film};
+}
+
+std::vector<image::Metadata> jobMetadata(const Job& job) {
+  const scene::Film& film = job.film;
+  return {{"aerosol:job", job.identity},
+          {"aerosol:embreeIsa", job.embreeIsa},
+          {"aerosol:code", job.code},
+          {"aerosol:sampleCount", static_cast<std::int32_t>(job.sampleCount)},
+          {"aerosol:window",
+           fmt::format("{},{},{},{}", film.cropOffsetX, film.cropOffsetY, film.croppedWidth(), film.croppedHeight())},
+          {"aerosol:component",
+           std::string(film.componentFormat == scene::ComponentFormat::float16 ? "float16" : "float32")}};
+}
+
+std::optional<Job> jobOf(const image::ImageBuffer& picture) {
+  const auto* identity = findValue<std::string>(picture, "aerosol:job");
+  const auto* isa = findValue<std::string>(picture, "aerosol:embreeIsa");
+  const auto* code = findValue<std::string>(picture, "aerosol:code");
+  const auto* samples = findValue<std::int32_t>(picture, "aerosol:sampleCount");
+  const auto* window = findValue<std::string>(picture, "aerosol:window");
+  const auto* component = findValue<std::string>(picture, "aerosol:component");
+  const auto crop = window ? parseCrop(*window) : std::nullopt;
+  if (!identity || !isa || !code || !samples || !component || !crop) return {};
+  Job job{*identity, *isa, *code, *samples, {}};
+  job.film.width = picture.fullWidth;
+  job.film.height = picture.fullHeight;
+  job.film.cropOffsetX = crop->x;
+  job.film.cropOffsetY = crop->y;
+  job.film.cropWidth = crop->width;
+  job.film.cropHeight = crop->height;
+  if (*component == "float16") job.film.componentFormat = scene::ComponentFormat::float16;
+  const bool hasAlpha = std::find(picture.channels.begin(), picture.channels.end(), "A") != picture.channels.end();
+  job.film.pixelFormat = hasAlpha ? scene::PixelFormat::rgba : scene::PixelFormat::rgb;
+  return job;
+}
+
+}  // namespace aerosol::app

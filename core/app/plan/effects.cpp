@@ -1,0 +1,310 @@
+#include "core/app/plan/effects.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "core/app/quantity.h"
+
+namespace aerosol::app {
+
+namespace {
+
+using render::WorkerStatistics;
+using volume::DistanceMethod;
+
+std::string at(const SourceLocation& place) {
+  return place.file.empty() ? std::string() : fmt::format(" ({}:{}:{})", place.file, place.line, place.column);
+}
+
+/// "cumulus (a.xml:3:5), wisps (a.xml:9:5) and 3 more".
+class Names {
+ public:
+  void add(const std::string& name, const SourceLocation& place) {
+    if (++count_ <= shown) text_ += fmt::format("{}{}{}", count_ == 1 ? "" : ", ", name, at(place));
+  }
+  std::size_t count() const { return count_; }
+  std::string text() const { return count_ > shown ? fmt::format("{} and {} more", text_, count_ - shown) : text_; }
+
+ private:
+  static constexpr std::size_t shown = 2;
+  std::size_t count_ = 0;
+  std::string text_;
+};
+
+/// Of the time in which threads were seen.
+double shareOf(const WorkerStatistics& s, std::initializer_list<Phase> phases) {
+  double all = 0, part = 0;
+  for (const std::uint64_t count : s.phases) all += static_cast<double>(count);
+  for (const Phase phase : phases) part += static_cast<double>(s.phases[static_cast<std::size_t>(phase)]);
+  return all > 0 ? part / all : 0;
+}
+
+/// Of the shaders' part: kernels of these variants.
+double shaderShare(const WorkerStatistics& s, const std::function<bool(std::size_t variant)>& isCounted) {
+  double all = 0, part = 0;
+  for (std::size_t i = 0; i < s.kernels.size(); ++i) {
+    const auto time = static_cast<double>(s.kernels[i].nanoseconds);
+    all += time;
+    if (isCounted(i % shading::variantCount)) part += time;
+  }
+  return all > 0 ? part / all * shareOf(s, {Phase::shaders, Phase::gathering}) : 0;
+}
+
+std::uint64_t pointsOf(const WorkerStatistics& s, shading::Variant variant) {
+  std::uint64_t points = 0;
+  for (std::size_t i = static_cast<std::size_t>(variant); i < s.kernels.size(); i += shading::variantCount) {
+    points += s.kernels[i].points;
+  }
+  return points;
+}
+
+bool isVolume(std::size_t variant) { return variant <= static_cast<std::size_t>(shading::Variant::extinction); }
+
+bool varies(float low, float high) { return std::fabs(low) > 0 || std::fabs(high) > 0; }
+
+/// What is known of a medium's coefficients: from its constant, or from the ranges over its tree. Without a tree
+/// nothing is ruled out.
+struct MediumFacts {
+  bool scatters = true, emits = true, isChromatic = true, isKnown = false;
+
+  MediumFacts(const render::PreparedScene& scene, std::size_t index) {
+    const volume::Medium& medium = scene.media[index];
+    if (medium.constant) {
+      isKnown = true;
+      scatters = !isBlack(medium.constant->sigmaS);
+      emits = !isBlack(medium.constant->emission);
+      const Color s = medium.constant->sigmaT;
+      isChromatic = s.r != s.g || s.g != s.b;
+    } else if (medium.tree && !medium.tree->ranges.empty()) {
+      isKnown = true;
+      scatters = emits = false;
+      for (const volume::BoundRanges& range : medium.tree->ranges) {
+        scatters = scatters || range.scatteringHigh > 0;
+        emits = emits || varies(range.emissionLow, range.emissionHigh);
+      }
+    }
+  }
+};
+
+class EffectList {
+ public:
+  EffectList(const scene::SceneDescription& description, const render::PreparedScene& scene)
+      : description_(description), scene_(scene) {}
+
+  std::vector<Effect> run() {
+    addCamera();
+    addLights();
+    addSurfaces();
+    addVolumes();
+    addMedia();
+    addPaths();
+    addShaders();
+    return std::move(effects_);
+  }
+
+ private:
+  using Work = std::function<std::uint64_t(const WorkerStatistics&)>;
+  using Share = std::function<double(const WorkerStatistics&)>;
+
+  void add(std::string name, bool isOn, std::string reason, Work work = {}, Share share = {}) {
+    effects_.push_back({std::move(name), std::move(reason), isOn, std::move(work), std::move(share)});
+  }
+  void add(std::string name, const Names& names, const std::string& offReason, Work work = {}, Share share = {}) {
+    add(std::move(name), names.count() > 0, names.count() > 0 ? names.text() : offReason, std::move(work),
+        std::move(share));
+  }
+
+  void addCamera() {
+    const scene::Sensor& sensor = description_.sensor;
+    const bool hasLens = scene_.camera->hasLens();
+    add("depth-of-field", hasLens,
+        hasLens ? fmt::format("thinlens with aperture_radius {}{}", sensor.apertureRadius,
+                              at(sensor.origin.of("aperture_radius")))
+                : "the camera has no lens");
+  }
+
+  void addLights() {
+    Names points, suns, constants, areas;
+    for (const scene::Emitter& emitter : description_.emitters) {
+      if (emitter.type == scene::EmitterType::point) points.add("point", emitter.origin.location);
+      if (emitter.type == scene::EmitterType::directional) suns.add("directional", emitter.origin.location);
+      if (emitter.type == scene::EmitterType::constant) constants.add("constant", emitter.origin.location);
+    }
+    for (const scene::Shape& shape : description_.shapes) {
+      if (shape.emitter) areas.add("area", shape.emitter->origin.location);
+    }
+    const Share sampling = [](const WorkerStatistics& s) { return shareOf(s, {Phase::lights}); };
+    add(
+        "light-sampling", scene_.lights.size() > 0,
+        scene_.lights.size() > 0 ? formatCount(scene_.lights.size(), "light") : "there are no lights",
+        [](const WorkerStatistics& s) { return s.accel.occlusionQueries; }, sampling);
+    add("point-lights", points, "none in the scene");
+    add("directional-lights", suns, "none in the scene");
+    add("constant-light", constants, "none in the scene");
+    add("area-lights", areas, "no shape emits light");
+  }
+
+  void addSurfaces() {
+    Names opaque, boundaries;
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
+      const scene::Shape& shape = description_.shapes[i];
+      const std::string& name = scene_.shading.family(scene_.objects[i].material).program->name;
+      (scene_.objects[i].isBoundary ? boundaries : opaque).add(name, shape.origin.location);
+    }
+    add(
+        "surfaces", opaque, "no shape stops or scatters light",
+        [](const WorkerStatistics& s) { return pointsOf(s, shading::Variant::surface); },
+        [](const WorkerStatistics& s) { return shaderShare(s, [](std::size_t v) { return !isVolume(v); }); });
+    add("medium-boundaries", boundaries, "no surface is there for media alone");
+    Names dielectrics;
+    for (std::size_t i = 0; i < scene_.objects.size() && scene_.nestsMedia; ++i) {
+      const auto& closures = scene_.objects[i].closures;
+      const bool hasInterior = std::any_of(closures.begin(), closures.end(), [](const render::Closure* c) {
+        return c && c->kind() == render::ClosureKind::interior;
+      });
+      if (hasInterior) {
+        dielectrics.add(scene_.shading.family(scene_.objects[i].material).program->name,
+                        description_.shapes[i].origin.location);
+      }
+    }
+    add("nested-media", dielectrics, "no surface shader says what is inside: paths keep no stack of media",
+        [](const WorkerStatistics& s) {
+          return s.media.rejectedHits + s.media.exitsWithoutEntry + s.media.repeatedEntries;
+        });
+  }
+
+  void addVolumes() {
+    Names volumes;
+    for (const scene::Volume& volume : description_.volumes) {
+      volumes.add(volume.type + " of " + description_.media[volume.medium].shader.name, volume.origin.location);
+    }
+    add(
+        "volumes", volumes, "there is no volume primitive",
+        [](const WorkerStatistics& s) { return s.accel.volumeTests + s.accel.spans; },
+        [](const WorkerStatistics& s) { return shareOf(s, {Phase::intervals}); });
+    const std::string pair = findOverlap();
+    add("overlap", !pair.empty(), pair.empty() ? "bounds of volume primitives are disjoint" : pair);
+  }
+
+  /// The first two volume primitives whose bounds overlap.
+  std::string findOverlap() const {
+    const auto count = scene_.geometry->volumeCount();
+    std::vector<std::pair<float, accel::VolumeId>> byStart;
+    for (accel::VolumeId i = 0; i < count; ++i)
+      byStart.emplace_back(scene_.geometry->volume(i).worldBounds().lower.x, i);
+    std::sort(byStart.begin(), byStart.end());
+    for (std::size_t a = 0; a < byStart.size(); ++a) {
+      const Box<World> p = scene_.geometry->volume(byStart[a].second).worldBounds();
+      for (std::size_t b = a + 1; b < byStart.size() && byStart[b].first < p.upper.x; ++b) {
+        const Box<World> q = scene_.geometry->volume(byStart[b].second).worldBounds();
+        if (q.lower.y >= p.upper.y || p.lower.y >= q.upper.y || q.lower.z >= p.upper.z || p.lower.z >= q.upper.z)
+          continue;
+        const auto name = [&](accel::VolumeId id) {
+          const scene::Volume& volume = description_.volumes[id];
+          return description_.media[volume.medium].shader.name + at(volume.origin.location);
+        };
+        return name(byStart[a].second) + " and " + name(byStart[b].second);
+      }
+    }
+    return {};
+  }
+
+  void addMedia() {
+    Names closed, null, marched, scattering, emitting, chromatic, relaxed, trees;
+    for (std::size_t i = 0; i < scene_.media.size(); ++i) {
+      const volume::Medium& medium = scene_.media[i];
+      const std::string& name = scene_.mediumNames[i];
+      const SourceLocation& place = scene_.mediumLocations[i];
+      const DistanceMethod method = medium.method;
+      (method == DistanceMethod::closedForm ? closed
+       : method == DistanceMethod::marching ? marched
+                                            : null)
+          .add(name, place);
+      const MediumFacts facts(scene_, i);
+      const std::string doubt = facts.isKnown ? "" : " (not ruled out)";
+      if (facts.scatters) scattering.add(name + doubt, place);
+      if (facts.emits) emitting.add(name + doubt, place);
+      if (facts.isChromatic) chromatic.add(name + (medium.constant ? "" : " (not ruled out)"), place);
+      if (medium.tree) trees.add(name, place);
+    }
+    const bool hasMedia = !scene_.media.empty();
+    const std::string none = "there is no medium";
+    const Work points = [](const WorkerStatistics& s) { return s.trackers.points; };
+    const Share shading = [](const WorkerStatistics& s) { return shaderShare(s, isVolume); };
+    Names varying;
+    for (std::size_t i = 0; i < scene_.media.size(); ++i) {
+      if (!scene_.media[i].constant) varying.add(scene_.mediumNames[i], scene_.mediumLocations[i]);
+    }
+    add("heterogeneity", varying, hasMedia ? "all media are constant: no shader is run along rays" : none, points,
+        shading);
+    add("constant-media", closed, hasMedia ? "no medium is constant" : none);
+    add("null-scattering", null, hasMedia ? "no medium is sampled so" : none);
+    add("ray-marching", marched, hasMedia ? "no medium is sampled so" : none);
+    add("bound-trees", trees, hasMedia ? "no medium varies below a bound" : none);
+    add("volume-scattering", scattering, hasMedia ? "no medium scatters" : none);
+    add("volume-emission", emitting, hasMedia ? "no medium emits" : none);
+    add("chromatic-extinction", chromatic, hasMedia ? "extinction is the same in all channels" : none);
+  }
+
+  void addPaths() {
+    const scene::Integrator& integrator = description_.integrator;
+    const bool isMultiple = integrator.maxDepth < 0 || integrator.maxDepth > 2;
+    const std::string depth =
+        integrator.maxDepth < 0 ? "max_depth is unbounded" : fmt::format("max_depth {}", integrator.maxDepth);
+    add("multiple-scattering", isMultiple, depth + at(integrator.origin.of("max_depth")));
+    const bool plays = integrator.maxDepth < 0 || integrator.maxDepth > integrator.rrDepth;
+    add("russian-roulette", plays,
+        plays ? fmt::format("from path length {}", integrator.rrDepth) : "no path gets long enough for it");
+    add(
+        "ray-tracing", true, formatCount(scene_.objects.size() + scene_.volumes.size(), "object"),
+        [](const WorkerStatistics& s) { return s.accel.closestHitQueries + s.accel.occlusionQueries; },
+        [](const WorkerStatistics& s) { return shareOf(s, {Phase::tracing}); });
+  }
+
+  void addShaders() {
+    Names textures, derivatives, messages;
+    for (const shading::Family& family : scene_.shading.families()) {
+      const lang::Program& program = *family.program;
+      const SourceLocation place = program.locations.empty() ? SourceLocation{} : program.locations.front();
+      bool readsTextures = false, readsDerivatives = false, speaks = false;
+      for (const auto& kernel : family.kernels) {
+        if (!kernel) continue;
+        const jit::KernelInterface& interface = kernel->interface();
+        for (const lang::Global g : {lang::Global::dPdx, lang::Global::dPdy, lang::Global::dPdz, lang::Global::dudx,
+                                     lang::Global::dvdx, lang::Global::dIdx}) {
+          readsDerivatives = readsDerivatives || interface.reads(g);
+        }
+        speaks =
+            speaks || std::any_of(interface.sites.begin(), interface.sites.end(), [](const jit::MessageSite& site) {
+              return site.kind == AEROSOL_MESSAGE_PRINT || site.kind == AEROSOL_MESSAGE_FILE;
+            });
+      }
+      for (const lang::FunctionUse& use : program.functions) {
+        readsTextures = readsTextures || (use.host && (use.symbol.find("texture") != std::string::npos ||
+                                                       use.symbol.find("environment") != std::string::npos));
+      }
+      if (readsTextures) textures.add(program.name, place);
+      if (readsDerivatives) derivatives.add(program.name, place);
+      if (speaks) messages.add(program.name, place);
+    }
+    add("textures", textures, "no shader reads a texture or voxels");
+    add("derivatives", derivatives, "no shader asks how its inputs change from pixel to pixel");
+    add("shader-messages", messages, "no shader prints");
+  }
+
+  const scene::SceneDescription& description_;
+  const render::PreparedScene& scene_;
+  std::vector<Effect> effects_;
+};
+
+}  // namespace
+
+std::vector<Effect> listEffects(const scene::SceneDescription& description, const render::PreparedScene& scene) {
+  return EffectList(description, scene).run();
+}
+
+}  // namespace aerosol::app

@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "core/app/plan/effects.h"
+
+namespace aerosol::app {
+
+namespace {
+
+void dropEmitters(scene::SceneDescription& description, scene::EmitterType type) {
+  std::erase_if(description.emitters, [&](const scene::Emitter& each) { return each.type == type; });
+}
+
+}  // namespace
+
+const std::vector<RemovableEffect>& removableEffects() {
+  using scene::SceneDescription;
+  static const std::vector<RemovableEffect> effects{
+      {"depth-of-field", "everything is in focus",
+       [](SceneDescription& d) {
+         d.sensor.type = scene::SensorType::perspective;
+         d.sensor.apertureRadius = 0;
+       }},
+      {"multiple-scattering", "light is scattered once at most: clouds get darker",
+       [](SceneDescription& d) {
+         d.integrator.maxDepth = d.integrator.maxDepth < 0 ? 2 : std::min(2, d.integrator.maxDepth);
+       }},
+      {"russian-roulette", "paths go on to max_depth: the same image in the mean, at another cost",
+       [](SceneDescription& d) { d.integrator.rrDepth = std::numeric_limits<int>::max(); }},
+      {"volumes", "volume primitives are left out", [](SceneDescription& d) { d.volumes.clear(); }},
+      {"surface-media", "media inside and outside of shapes are left out",
+       [](SceneDescription& d) {
+         for (scene::Shape& shape : d.shapes) shape.interior = shape.exterior = {};
+         d.sensor.medium = {};
+       }},
+      {"area-lights", "shapes do not emit light",
+       [](SceneDescription& d) {
+         for (scene::Shape& shape : d.shapes) shape.emitter.reset();
+       }},
+      {"constant-light", "constant environments are black",
+       [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::constant); }},
+      {"directional-lights", "directional lights are left out",
+       [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::directional); }},
+      {"point-lights", "point lights are left out",
+       [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::point); }},
+  };
+  return effects;
+}
+
+Diagnostics removeEffects(const std::vector<std::string>& names, scene::SceneDescription& description) {
+  Diagnostics errors;
+  std::vector<std::string> known;
+  for (const RemovableEffect& effect : removableEffects()) known.push_back(effect.name);
+  for (const std::string& name : names) {
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end()) {
+      std::vector<std::string> notes;
+      if (std::string near = didYouMean(name, known); !near.empty()) notes.push_back(std::move(near));
+      notes.push_back(fmt::format("effects that can be left out: {}", fmt::join(known, ", ")));
+      errors.error({}, fmt::format("--without {}: there is no such effect", name), std::move(notes));
+      continue;
+    }
+    removableEffects()[static_cast<std::size_t>(found - known.begin())].remove(description);
+  }
+  return errors;
+}
+
+}  // namespace aerosol::app

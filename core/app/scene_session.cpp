@@ -1,0 +1,116 @@
+#include "core/app/scene_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "core/app/plan/effects.h"
+#include "core/app/registered_types.h"
+#include "core/scene/loader.h"
+#include "plugins/registration.h"
+
+namespace aerosol::app {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+void applyArguments(const RenderArguments& arguments, scene::SceneDescription& description) {
+  if (arguments.samplesPerPixel) description.sampler.sampleCount = *arguments.samplesPerPixel;
+  if (arguments.seed) description.sampler.seed = *arguments.seed;
+  if (arguments.stepScale) description.integrator.stepScale = *arguments.stepScale;
+  if (!arguments.distance) return;
+  description.integrator.distance = *arguments.distance;
+  for (scene::Medium& medium : description.media) medium.sampling.distance.reset();
+  for (scene::Volume& volume : description.volumes) volume.sampling.distance.reset();
+}
+
+}  // namespace
+
+SceneSession::SceneSession(const RenderArguments& arguments, const Console& console)
+    : arguments_(arguments), console_(console) {
+  render::registerPlugins(registry_);
+}
+
+bool SceneSession::accept(const Diagnostics& diagnostics) const {
+  console_.report(diagnostics);
+  return !diagnostics.hasErrors();
+}
+
+void SceneSession::tellWarnings(const Diagnostics& warnings) {
+  console_.report(warnings);
+  warnings_.append(warnings);
+}
+
+bool SceneSession::load() {
+  const Clock::time_point start = Clock::now();
+  Diagnostics warnings;
+  auto loaded =
+      scene::load(arguments_.scene, {arguments_.defines, arguments_.overrides, registeredTypes(registry_)}, warnings);
+  tellWarnings(warnings);
+  if (!loaded) return accept(loaded.errors());
+  description_ = std::move(*loaded);
+  times_.load = secondsSince(start);
+  applyArguments(arguments_, *description_);
+  return accept(removeEffects(arguments_.without, *description_));
+}
+
+bool SceneSession::prepare() {
+  const Clock::time_point start = Clock::now();
+  Diagnostics warnings;
+  auto toolchain = openToolchain(arguments_.kernels, warnings);
+  tellWarnings(warnings);
+  if (!toolchain) return accept(toolchain.errors());
+  toolchain_ = std::move(*toolchain);
+  scene_ = prepareVariant(*description_);
+  times_.prepare = secondsSince(start);
+  return scene_ != nullptr;
+}
+
+std::unique_ptr<const render::PreparedScene> SceneSession::prepareVariant(const scene::SceneDescription& description) {
+  render::PrepareOptions options;
+  options.shaderPath = arguments_.kernels.shaderPath;
+  options.shaderLibrary = toolchain_->installation.shaders;
+  options.compiler = toolchain_->compiler;
+  options.cache = toolchain_->cache;
+  options.target = toolchain_->target;
+  options.embreeIsa = arguments_.kernels.isa;
+  options.laneCounters = arguments_.countLanes;
+  options.textureMemory_MB = arguments_.textureMemory_MB;
+  options.threads = threadCount();
+  Diagnostics warnings;
+  auto prepared = render::prepare(description, registry_, options, warnings);
+  if (!scene_) tellWarnings(warnings);
+  if (!prepared) {
+    accept(prepared.errors());
+    return nullptr;
+  }
+  return std::move(*prepared);
+}
+
+int SceneSession::threadCount() const {
+  return arguments_.threads > 0 ? arguments_.threads
+                                : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+Diagnostics applyCrop(const std::optional<Crop>& asked, scene::Film& film) {
+  Diagnostics errors;
+  if (!asked) return errors;
+  const Crop& crop = *asked;
+  if (crop.width > film.width - crop.x || crop.height > film.height - crop.y) {
+    errors.error({}, fmt::format("--crop {},{},{},{} reaches beyond the film of {} x {} pixels", crop.x, crop.y,
+                                 crop.width, crop.height, film.width, film.height));
+    return errors;
+  }
+  film.cropOffsetX = crop.x;
+  film.cropOffsetY = crop.y;
+  film.cropWidth = crop.width;
+  film.cropHeight = crop.height;
+  return errors;
+}
+
+}  // namespace aerosol::app

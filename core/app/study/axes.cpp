@@ -1,0 +1,101 @@
+#include "core/app/study/axes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/scene/value.h"
+
+namespace aerosol::app {
+
+namespace {
+
+StudySetting withDistance(const StudyArguments& arguments, scene::DistanceSampling distance, float stepScale) {
+  const bool isMarching = distance == scene::DistanceSampling::marching;
+  StudySetting setting{
+      isMarching ? "marching" : "null scattering", {"--distance", isMarching ? "marching" : "null"}, arguments.render};
+  setting.arguments.distance = distance;
+  if (isMarching) {
+    const float scale = stepScale * arguments.render.stepScale.value_or(1);
+    setting.arguments.stepScale = scale;
+    setting.words.insert(setting.words.end(), {"--step-scale", fmt::format("{}", scale)});
+    setting.name += fmt::format(", steps x {}", stepScale);
+  }
+  return setting;
+}
+
+/// "volume.step_scale" and "step_scale" stand for the option of that name, "distance" for that one; all else is a
+/// parameter of the scene.
+Result<StudySetting> vary(const StudySetting& base, const StudyAxis& axis, const std::string& value) {
+  StudySetting setting = base;
+  const auto add = [&](std::vector<std::string> words) {
+    setting.words.insert(setting.words.end(), words.begin(), words.end());
+    const std::string name = axis.parameter + " = " + value;
+    setting.name = setting.name.empty() ? name : setting.name + ", " + name;
+  };
+  const auto refuse = [&](const char* what) {
+    return Diagnostic{
+        Severity::error, {}, fmt::format("--vary {}: '{}' is not {}", axis.parameter, value, what), {}, {}};
+  };
+  if (axis.parameter == "volume.step_scale" || axis.parameter == "step_scale") {
+    scene::TextError error;
+    const auto scale = scene::parseFloat(value, error);
+    if (!scale || !(*scale > 0)) return refuse("a number greater than 0");
+    setting.arguments.stepScale = *scale;
+    add({"--step-scale", value});
+  } else if (axis.parameter == "distance") {
+    if (value != "auto" && value != "marching" && value != "null") return refuse("one of auto, marching, null");
+    setting.arguments.distance = value == "auto"       ? scene::DistanceSampling::automatic
+                                 : value == "marching" ? scene::DistanceSampling::marching
+                                                       : scene::DistanceSampling::nullScattering;
+    add({"--distance", value});
+  } else {
+    setting.arguments.overrides.push_back(axis.parameter + "=" + value);
+    add({"--set", axis.parameter + "=" + value});
+  }
+  return setting;
+}
+
+bool variesSteps(const StudyAxis& axis) {
+  return axis.parameter.ends_with("step_scale") || axis.parameter.ends_with("step_size");
+}
+
+}  // namespace
+
+bool hasVaryingMedium(const render::PreparedScene& scene) {
+  return std::any_of(scene.media.begin(), scene.media.end(), [](const volume::Medium& m) { return !m.constant; });
+}
+
+Result<std::vector<StudySetting>> studySettings(const StudyArguments& arguments, const render::PreparedScene& scene,
+                                                bool allowsNullScattering) {
+  using scene::DistanceSampling;
+  std::vector<StudySetting> settings;
+  if (arguments.axes.empty()) {
+    if (!hasVaryingMedium(scene)) return std::vector{StudySetting{"as the scene is", {}, arguments.render}};
+    if (allowsNullScattering) settings.push_back(withDistance(arguments, DistanceSampling::nullScattering, 1));
+    for (const float scale : {0.5f, 1.0f, 2.0f, 4.0f, 8.0f}) {
+      settings.push_back(withDistance(arguments, DistanceSampling::marching, scale));
+    }
+    return settings;
+  }
+  settings.push_back({"", {}, arguments.render});
+  // Steps make a difference to marching alone.
+  if (!arguments.render.distance && std::any_of(arguments.axes.begin(), arguments.axes.end(), variesSteps)) {
+    settings.back().arguments.distance = DistanceSampling::marching;
+    settings.back().words = {"--distance", "marching"};
+  }
+  for (const StudyAxis& axis : arguments.axes) {
+    std::vector<StudySetting> product;
+    for (const StudySetting& base : settings) {
+      for (const std::string& value : axis.values) {
+        auto varied = vary(base, axis, value);
+        if (!varied) return varied.errors();
+        product.push_back(std::move(*varied));
+      }
+    }
+    settings = std::move(product);
+  }
+  return settings;
+}
+
+}  // namespace aerosol::app

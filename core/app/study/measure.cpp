@@ -1,0 +1,168 @@
+#include "core/app/study/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace aerosol::app {
+
+namespace {
+
+double finite(float value) { return std::isfinite(value) ? static_cast<double>(value) : 0.0; }
+
+/// Sums over the values of the image, from which every estimate with any one repetition left out follows.
+struct Moments {
+  double count = 0;              ///< Values.
+  std::vector<double> errors;    ///< By repetition: Σ (I_r - F)².
+  std::vector<double> means;     ///< By repetition: Σ (I_r - F).
+  std::vector<double> cross;     ///< R · R: Σ (I_r - F)(I_s - F).
+  double referenceVariance = 0;  ///< Σ v_F.
+};
+
+Moments momentsOf(std::span<const StudyImage> repetitions, const StudyReference& reference) {
+  const std::size_t r = repetitions.size();
+  Moments m;
+  m.count = static_cast<double>(reference.mean.size());
+  m.means.resize(r);
+  m.cross.resize(r * r);
+  std::vector<double> difference(r);
+  for (std::size_t i = 0; i < reference.mean.size(); ++i) {
+    m.referenceVariance += finite(reference.variance[i]);
+    for (std::size_t a = 0; a < r; ++a) {
+      difference[a] = finite(repetitions[a][i]) - finite(reference.mean[i]);
+      m.means[a] += difference[a];
+      for (std::size_t b = 0; b <= a; ++b) m.cross[a * r + b] += difference[a] * difference[b];
+    }
+  }
+  return m;
+}
+
+struct Estimates {
+  double squaredError = 0, variance = 0, squaredBias = 0, meanBias = 0;
+};
+
+/// Of all repetitions but `left`.
+Estimates estimate(const Moments& m, std::size_t count, std::size_t left) {
+  double n = 0, diagonal = 0, all = 0, mean = 0;
+  for (std::size_t a = 0; a < count; ++a) {
+    if (a == left) continue;
+    ++n;
+    mean += m.means[a];
+    diagonal += m.cross[a * count + a];
+    for (std::size_t b = 0; b < a; ++b) {
+      if (b != left) all += 2 * m.cross[a * count + b];
+    }
+  }
+  all += diagonal;
+  const double squareOfMean = all / (n * n);  // Σ (M - F)²
+  Estimates e;
+  e.squaredError = (diagonal / n - m.referenceVariance) / m.count;
+  const double variance = (diagonal - n * squareOfMean) / (n - 1);
+  e.variance = variance / m.count;
+  e.squaredBias = (squareOfMean - variance / n - m.referenceVariance) / m.count;
+  e.meanBias = mean / n / m.count;
+  return e;
+}
+
+double jackknife(const std::vector<Estimates>& parts, double Estimates::* member) {
+  const auto n = static_cast<double>(parts.size());
+  double mean = 0, squares = 0;
+  for (const Estimates& part : parts) mean += part.*member / n;
+  for (const Estimates& part : parts) squares += (part.*member - mean) * (part.*member - mean);
+  return std::sqrt(squares * (n - 1) / n);
+}
+
+}  // namespace
+
+void summarise(std::span<const StudyImage> repetitions, StudyReference& reference) {
+  const std::size_t values = repetitions.front().size();
+  const auto r = static_cast<double>(repetitions.size());
+  reference.mean.assign(values, 0);
+  reference.variance.assign(values, 0);
+  std::vector<double> imageMeans(repetitions.size());
+  double scale = 0, variances = 0;
+  for (std::size_t i = 0; i < values; ++i) {
+    double mean = 0, squares = 0;
+    for (std::size_t k = 0; k < repetitions.size(); ++k) {
+      const double value = finite(repetitions[k][i]);
+      mean += value / r;
+      imageMeans[k] += value / static_cast<double>(values);
+    }
+    for (const StudyImage& image : repetitions) squares += (finite(image[i]) - mean) * (finite(image[i]) - mean);
+    const double variance = squares / (r - 1) / r;
+    reference.mean[i] = static_cast<float>(mean);
+    reference.variance[i] = static_cast<float>(variance);
+    scale += std::fabs(mean) / static_cast<double>(values);
+    variances += variance / static_cast<double>(values);
+  }
+  double mean = 0, squares = 0;
+  for (const double m : imageMeans) mean += m / r;
+  for (const double m : imageMeans) squares += (m - mean) * (m - mean);
+  reference.scale = scale > 0 ? scale : 1;
+  reference.error = std::sqrt(variances) / reference.scale;
+  reference.meanError = std::sqrt(squares / (r - 1) / r) / reference.scale;
+}
+
+StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyReference& reference) {
+  const std::size_t count = repetitions.size();
+  const Moments moments = momentsOf(repetitions, reference);
+  const Estimates all = estimate(moments, count, count);
+  std::vector<Estimates> parts;
+  for (std::size_t i = 0; i < count; ++i) parts.push_back(estimate(moments, count, i));
+  const double scale = reference.scale, squared = scale * scale;
+  const double ofReference = moments.referenceVariance / moments.count;
+  // What the reference's noise adds to the mean over all values: its product with the bias, and its own scatter.
+  const double byReference =
+      std::sqrt((4 * std::max(0.0, all.squaredBias) * ofReference + 2 * ofReference * ofReference) / moments.count);
+  StudyRound round;
+  round.squaredError = {all.squaredError / squared,
+                        std::hypot(jackknife(parts, &Estimates::squaredError), byReference) / squared};
+  round.variance = {all.variance / squared, jackknife(parts, &Estimates::variance) / squared};
+  round.squaredBias = {all.squaredBias / squared,
+                       std::hypot(jackknife(parts, &Estimates::squaredBias), byReference) / squared};
+  round.meanBias = {all.meanBias / scale,
+                    std::hypot(jackknife(parts, &Estimates::meanBias) / scale, reference.meanError)};
+  return round;
+}
+
+double errorAtTime(const StudyCase& study, double seconds) {
+  const auto& rounds = study.rounds;
+  if (rounds.empty()) return std::numeric_limits<double>::infinity();
+  const auto error = [](const StudyRound& r) { return std::sqrt(std::max(r.squaredError.value, 1e-12)); };
+  std::size_t after = 0;
+  while (after < rounds.size() && rounds[after].seconds < seconds) ++after;
+  if (after == 0) return error(rounds.front());
+  if (after == rounds.size()) return error(rounds.back());
+  const StudyRound &a = rounds[after - 1], &b = rounds[after];
+  const double share = std::log(seconds / a.seconds) / std::log(b.seconds / a.seconds);
+  return std::exp(std::log(error(a)) * (1 - share) + std::log(error(b)) * share);
+}
+
+double convergenceRate(const StudyCase& study) {
+  constexpr std::size_t roundsUsed = 4;
+  const std::size_t first = study.rounds.size() > roundsUsed ? study.rounds.size() - roundsUsed : 0;
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (std::size_t i = first; i < study.rounds.size(); ++i) {
+    const StudyRound& round = study.rounds[i];
+    if (!(round.squaredError.value > 0) || !(round.seconds > 0)) continue;
+    const double t = std::log(round.seconds), e = 0.5 * std::log(round.squaredError.value);
+    ++n;
+    x += t;
+    y += e;
+    xx += t * t;
+    xy += t * e;
+  }
+  const double spread = n * xx - x * x;
+  return n >= 3 && spread > 0 ? std::max(0.0, -(n * xy - x * y) / spread) : 0;
+}
+
+double equalTime(const StudyResults& results) {
+  double time = std::numeric_limits<double>::infinity();
+  for (const StudyCase& study : results.cases) {
+    if (study.isComplete && !study.rounds.empty()) time = std::min(time, study.rounds.back().seconds);
+  }
+  return std::isfinite(time) ? time : 0;
+}
+
+}  // namespace aerosol::app

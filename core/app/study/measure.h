@@ -1,0 +1,39 @@
+// Errors of independent repetitions of an image against a reference that has an error of its own.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/app/study/results.h"
+
+namespace aerosol::app {
+
+/// Values of one image, 3 a pixel.
+using StudyImage = std::vector<float>;
+
+/// The mean of independent repetitions and the variance of that mean, value by value; scale and errors. Needs two
+/// repetitions at least.
+void summarise(std::span<const StudyImage> repetitions, StudyReference& reference);
+
+/// Splits the error of a configuration into variance and bias. With R repetitions I_r of mean M against a reference F
+/// whose variance is v_F, everything averaged over the values of the image:
+///
+///     error² = ⟨(I_r - F)²⟩ - v_F        variance = Σ (I_r - M)² / (R - 1)
+///     bias²  = ⟨(M - F)²⟩ - variance / R - v_F
+///
+/// All three are unbiased estimates, so that bias² of a method without bias is around 0, on either side. Their errors
+/// come from leaving out one repetition at a time (Quenouille and Tukey's jackknife), that of bias² also from the noise
+/// of the reference. Values that are not finite count as 0.
+StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyReference& reference);
+
+/// The error (not squared) at a time, along the straight line between rounds in logarithms; beyond them the nearest.
+double errorAtTime(const StudyCase& study, double seconds);
+
+/// By which power of time the error falls, from the last rounds: 0.5 is what independent samples do. 0 where there are
+/// too few rounds or it does not fall.
+double convergenceRate(const StudyCase& study);
+
+/// The longest time that all complete cases have reached.
+double equalTime(const StudyResults& results);
+
+}  // namespace aerosol::app

@@ -1,0 +1,206 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/image/image.h"
+#include "tests/support/program.h"
+
+// What accuracy costs: goals, studies, plans, examinations and jobs of the program as a process.
+
+namespace aerosol::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* wispsScene = R"(<scene version="3.0.0">
+  <sensor type="perspective">
+    <float name="fov" value="30"/>
+    <transform name="to_world"><lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="24"/></film>
+    <sampler type="sobol"><integer name="sample_count" value="16"/></sampler>
+  </sensor>
+  <emitter type="constant"/>
+  <volume type="sphere"><medium type="wisps"/></volume>
+</scene>)";
+
+class Accuracy : public testing::Test {
+ protected:
+  Accuracy() { folder_.write("wisps.xml", wispsScene); }
+
+  Outcome run(const std::vector<std::string>& words, int expected = 0) const {
+    Outcome outcome = folder_.run(words);
+    EXPECT_EQ(outcome.code, expected) << outcome.err;
+    return outcome;
+  }
+  image::ImageBuffer picture(const std::string& name) const {
+    auto read = image::readImage(folder_.path(name));
+    if (!read) ADD_FAILURE() << format(read.errors());
+    return read ? std::move(*read) : image::ImageBuffer{};
+  }
+  int samplesOf(const std::string& name) const {
+    for (const image::Metadata& entry : picture(name).metadata) {
+      if (entry.key == "aerosol:endSample") return std::get<std::int32_t>(entry.value);
+    }
+    return -1;
+  }
+
+  ProgramFolder folder_;
+};
+
+TEST_F(Accuracy, ATargetErrorIsReachedAndItsCountGivesTheSameBits) {
+  const Outcome outcome = run({"render", "wisps.xml", "-o", "a.exr", "--target-error", "1%"});
+  EXPECT_THAT(outcome.err, ContainsRegex("[0-9]+ samples a pixel, error 0\\.[0-9]+%"));
+  const int samples = samplesOf("a.exr");
+  EXPECT_GE(samples, 86) << "65536 samples of the film at least";
+  run({"render", "wisps.xml", "-o", "b.exr", "--spp", std::to_string(samples)});
+  EXPECT_EQ(picture("a.exr").pixels, picture("b.exr").pixels);
+  const Outcome capped = run({"render", "wisps.xml", "-o", "c.exr", "--target-error", "0.001%", "--spp", "8"});
+  EXPECT_THAT(capped.err, HasSubstr("0.001% is not reached"));
+  EXPECT_EQ(samplesOf("c.exr"), 8);
+}
+
+TEST_F(Accuracy, ATimeIsKept) {
+  run({"render", "wisps.xml", "-o", "warm.exr", "--spp", "1"});
+  const auto start = std::chrono::steady_clock::now();
+  run({"render", "wisps.xml", "-o", "a.exr", "--time", "1.5s"});
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 6s);
+  EXPECT_GE(samplesOf("a.exr"), 1);
+  EXPECT_THAT(run({"render", "wisps.xml", "-o", "a.exr", "--time", "1s", "--samples", "0:3"}, 2).err,
+              HasSubstr("--samples says how many samples there are"));
+}
+
+TEST_F(Accuracy, CostIsExplainedAndWritten) {
+  const Outcome outcome = run({"render", "wisps.xml", "-o", "a.exr", "--spp", "256", "--explain-cost", "--stats",
+                               "a.json", "--aov", "cost", "--aov", "error", "--aov", "samples"});
+  EXPECT_THAT(outcome.err, HasSubstr("ns/point"));
+  EXPECT_THAT(outcome.err, ContainsRegex("wisps (coefficients|extinction) +[0-9.]+ %"));
+  EXPECT_THAT(outcome.err, HasSubstr("rays against surfaces and volume primitives"));
+  const std::string json = folder_.read("a.json");
+  EXPECT_THAT(json, HasSubstr("\"shader\": \"wisps\""));
+  EXPECT_THAT(json, HasSubstr("\"samples\": 196608"));
+  const image::ImageBuffer a = picture("a.exr");
+  ASSERT_EQ(a.channels, (std::vector<std::string>{"R", "G", "B", "cost", "samples", "error.R", "error.G", "error.B"}));
+  // A corner sees no medium: it costs nothing and has no error.
+  EXPECT_EQ(a.pixels[3], 0);
+  EXPECT_EQ(a.pixels[4], 256);
+  const std::size_t centre = (12 * 32 + 16) * 8;
+  EXPECT_GT(a.pixels[centre + 3], 1);
+  EXPECT_GT(a.pixels[centre + 5], 0);
+  // The map is the same for any number of threads.
+  run({"render", "wisps.xml", "-o", "b.exr", "--spp", "256", "--aov", "cost", "--threads", "1", "-q"});
+  const image::ImageBuffer b = picture("b.exr");
+  EXPECT_EQ(a.pixels[centre + 3], b.pixels[(12 * 32 + 16) * 4 + 3]);
+}
+
+TEST_F(Accuracy, AStudyIsKilledAndCarriedOn) {
+  const std::vector<std::string> words{"study", "wisps.xml", "-o", "study", "--budget", "2s", "--size", "16"};
+  run({"render", "wisps.xml", "-o", "warm.exr", "--spp", "1", "-q"});
+  folder_.run(words, 1500ms);
+  const Outcome outcome = run(words);
+  for (const char* file : {"study.html", "study.json", "study.csv", "error.png", "parts.png", "reference.png"}) {
+    EXPECT_TRUE(folder_.has(std::string("study/") + file)) << file;
+  }
+  EXPECT_THAT(outcome.out, HasSubstr("has the smallest error"));
+  const std::string page = folder_.read("study/study.html");
+  EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
+  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(page, HasSubstr("null scattering"));
+  EXPECT_THAT(page, HasSubstr("marching, steps x 8"));
+  EXPECT_TRUE(image::readImage(folder_.path("study/error.png")));
+  // All is there: nothing is rendered again.
+  const Outcome again = run(words);
+  EXPECT_THAT(again.err, HasSubstr("going on with 6 finished cases"));
+  EXPECT_EQ(folder_.read("study/study.html"), page);
+  const Outcome other =
+      run({"study", "wisps.xml", "-o", "study", "--budget", "1s", "--size", "8", "--vary", "wisps.density=1,2"});
+  EXPECT_THAT(other.err, HasSubstr("holds another study"));
+  EXPECT_THAT(folder_.read("study/study.csv"), HasSubstr("\"wisps.density = 2\""));
+}
+
+TEST_F(Accuracy, APlanNamesEffectsWithTheirPlaces) {
+  const Outcome outcome = run({"plan", "wisps.xml", "--size", "16", "--without", "constant-light"});
+  EXPECT_THAT(outcome.out, ContainsRegex("heterogeneity +on +[0-9.]+ % +wisps .wisps.xml:9:25"));
+  EXPECT_THAT(outcome.out, ContainsRegex("depth-of-field +off +the camera has no lens"));
+  EXPECT_THAT(outcome.out, ContainsRegex("constant-light +off"));
+  EXPECT_THAT(outcome.out, HasSubstr("constant environments are black"));
+  EXPECT_THAT(run({"plan", "wisps.xml", "--without", "motoin"}, 1).err, HasSubstr("there is no such effect"));
+}
+
+TEST_F(Accuracy, ADoctorFindsWhatIsWrong) {
+  EXPECT_THAT(run({"doctor", "wisps.xml"}).out, HasSubstr("nothing found"));
+  folder_.write("bad.osl", R"(volume bad [[ string extinction_bound = "most" ]] (float most = 1) {
+    float x = P[0] > 0.3 ? sqrt(-1.0 - P[1] * P[1]) / 0.0 * 1e30 * 1e30 : 2.0 + P[0];
+    Ci = (x - (P[0] > 0.5 ? 10.0 : 0.0)) * anisotropic_vdf(color(0.5), color(1), 0);
+})");
+  // A tetrahedron without its fourth face.
+  folder_.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  folder_.write("ill.xml", R"(<scene version="3.0.0">
+  <sensor type="perspective"><float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="24"/></film></sensor>
+  <emitter type="constant"/>
+  <volume type="sphere"><medium type="bad"/></volume>
+  <volume type="box"><transform name="to_world"><translate x="1" y="0" z="0"/></transform>
+    <medium type="wisps"><string name="distance" value="marching"/><float name="step_size" value="1e-5"/></medium></volume>
+  <shape type="obj"><string name="filename" value="open.obj"/><bsdf type="null"/>
+    <medium name="interior" type="homogeneous"/></shape>
+  <shape type="cube"><bsdf type="null"/><medium name="interior" type="homogeneous"/></shape>
+  <shape type="cube"><transform name="to_world"><translate x="2" y="0" z="0"/></transform><bsdf type="null"/>
+    <medium name="interior" type="homogeneous"/></shape>
+</scene>)");
+  const Outcome outcome = run({"doctor", "ill.xml", "--size", "16"}, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("this mesh bounds a medium and has holes: 3 edges with one triangle alone"));
+  EXPECT_THAT(outcome.err, HasSubstr("ill.xml:12:3: warning: this surface coincides with another one"));
+  EXPECT_THAT(outcome.err, ContainsRegex("marching through 'wisps' takes [0-9.]+ k steps a ray"));
+  EXPECT_THAT(outcome.err, HasSubstr("volume shader 'bad' gave"));
+  EXPECT_THAT(outcome.err, HasSubstr("world point ("));
+  EXPECT_THAT(outcome.err, HasSubstr("was above its bound of"));
+  EXPECT_THAT(outcome.out, ContainsRegex("ill.xml: [0-9]+ findings"));
+}
+
+/// The tasks of a job, run by a shell one after the other as a queue would, and their merge.
+TEST_F(Accuracy, AJobOfTasksIsTheWholeImage) {
+  run({"submit", "wisps.xml", "-o", "whole.exr", "--spp", "20", "--tasks", "3", "--folder", "job", "--set",
+       "wisps.density=2"});
+  for (const char* file : {"tasks.sh", "merges.sh", "render.sbatch", "merge.sbatch", "parallel.sh", "opencue.py"}) {
+    EXPECT_TRUE(folder_.has(std::string("job/") + file)) << file;
+  }
+  EXPECT_THAT(folder_.read("job/render.sbatch"), HasSubstr("#SBATCH --array=0-2"));
+  const auto shell = [&](const std::string& command) {
+    return std::system(("cd " + folder_.path("") + " && " + command + " >/dev/null 2>&1").c_str());
+  };
+  EXPECT_EQ(shell("sh job/tasks.sh 2"), 0);
+  EXPECT_EQ(shell("sh job/tasks.sh 0"), 0);
+  EXPECT_NE(shell("sh job/merges.sh 0"), 0) << "a task is lost";
+  EXPECT_EQ(shell("sh job/tasks.sh 1"), 0);
+  EXPECT_EQ(shell("sh job/merges.sh 0"), 0);
+  EXPECT_NE(shell("sh job/tasks.sh 3"), 0);
+  run({"render", "wisps.xml", "-o", "one.exr", "--spp", "20", "--isa", "avx2", "--set", "wisps.density=2", "-q"});
+  EXPECT_EQ(picture("whole.exr").pixels, picture("one.exr").pixels);
+}
+
+/// An sbatch that keeps what it is given: the merge depends on the renders.
+TEST_F(Accuracy, ASlurmJobMergesAfterItsRenders) {
+  folder_.write("sbatch",
+                "#!/bin/sh\necho \"$@\" >> \"$(dirname \"$0\")/calls\"\nwc -l < \"$(dirname \"$0\")/calls\"\n");
+  std::filesystem::permissions(folder_.path("sbatch"), std::filesystem::perms::all);
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", (folder_.path("") + ":" + before).c_str(), 1);
+  const Outcome outcome = run({"submit", "wisps.xml", "-o", "a.%04d.exr", "--frames", "1-3", "--tasks", "2", "--spp",
+                               "200", "-D", "x=1", "--slurm"},
+                              1);
+  EXPECT_THAT(outcome.err, HasSubstr("the scene never uses '$x'"));
+  const Outcome good =
+      run({"submit", "wisps.xml", "-o", "a.%04d.exr", "--frames", "1-3", "--tasks", "2", "--spp", "200", "--slurm"});
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_THAT(good.out, HasSubstr("merge job 2"));
+  const std::string calls = folder_.read("calls");
+  EXPECT_THAT(calls, HasSubstr("--parsable --dependency=afterany:1 "));
+  EXPECT_THAT(folder_.read("wisps.job/render.sbatch"), HasSubstr("--array=0-5"));
+  EXPECT_THAT(folder_.read("wisps.job/tasks.sh"), HasSubstr("--samples 0:128"));
+}
+
+}  // namespace
+}  // namespace aerosol::test

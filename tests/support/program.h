@@ -1,0 +1,39 @@
+// The program as a process of its own, in a folder of its own.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace aerosol::test {
+
+struct Outcome {
+  std::optional<int> code;  ///< None: a signal ended it.
+  std::string out, err;
+};
+
+/// An empty folder in which the program is run; removed at the end. Kernels come from the tests' common cache.
+class ProgramFolder {
+ public:
+  ProgramFolder();
+  ~ProgramFolder();
+  ProgramFolder(const ProgramFolder&) = delete;
+  ProgramFolder& operator=(const ProgramFolder&) = delete;
+
+  void write(const std::string& name, const std::string& text) const;
+  std::string read(const std::string& name) const;
+  bool has(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  /// Names of all files, ascending.
+  std::vector<std::string> files() const;
+
+  /// Runs `aerosol ARGUMENTS`; after `killAfter` the process is killed, unless it has ended before.
+  Outcome run(const std::vector<std::string>& arguments, std::optional<std::chrono::milliseconds> killAfter = {}) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace aerosol::test
