@@ -426,6 +426,9 @@ color wavelength_color(float wavelength_nm) {
 
 closure color reflection(normal n) { return reflection(n, 0.0); }
 closure color translucent() { return translucent(N); }
+closure color microfacet(string distribution, normal n, float alpha, float eta, int refract) {
+  return microfacet(distribution, n, vector(0), alpha, alpha, eta, refract);
+}
 
 // Complex index of refraction of a metal from its colour at facing and towards grazing angles (Gulbrandsen 2014,
 // "Artist friendly metallic Fresnel").

@@ -142,9 +142,9 @@ class Lowering {
     Value matrix;
     Number known;
   };
-  SpaceMatrix spaceMatrix(lang::VariableId space, bool toWorld);
+  SpaceMatrix spaceMatrix(lang::VariableId space, bool toWorld, std::uint32_t location);
   SpaceMatrix headerMatrix(unsigned first);
-  SpaceMatrix hostMatrix(const Number& space, bool toWorld);
+  SpaceMatrix hostMatrix(const Number& space, bool toWorld, std::uint32_t location);
   Value fromRows(llvm::ArrayRef<Number> rows);
 
   // lowering_messages.cpp

@@ -54,7 +54,7 @@ llvm::Value* Lowering::recordValue(const Number& number) {
 /// Leaves a record for each of the lanes, in their order.
 void Lowering::report(std::uint32_t kind, std::uint32_t location, const std::string& text,
                       std::vector<lang::Type> types, const Value& values, llvm::Value* lanes) {
-  const bool isReport = kind == AEROSOL_REPORT_INDEX || kind == AEROSOL_REPORT_BUDGET;
+  const bool isReport = kind == AEROSOL_REPORT_INDEX || kind == AEROSOL_REPORT_BUDGET || kind == AEROSOL_REPORT_SPACE;
   if (isReport && !options_.reports) return;
   const auto* known = llvm::dyn_cast<llvm::Constant>(lanes);
   if (known && known->isNullValue()) return;

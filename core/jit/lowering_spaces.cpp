@@ -12,16 +12,15 @@ using lang::Op;
 
 namespace {
 
-constexpr unsigned rowNumbers = 12;
+constexpr unsigned rowNumbers = 12;   // Of an instance: three rows.
+constexpr unsigned hostNumbers = 16;  // Of a host: four, as of projections.
 
 }  // namespace
 
 Value Lowering::fromRows(llvm::ArrayRef<Number> rows) {
   Value matrix(16, floating(0));
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 4; ++column) matrix[column * 4 + row] = rows[row * 4 + column];
-  }
   matrix[15] = floating(1);
+  for (std::size_t i = 0; i < rows.size(); ++i) matrix[i % 4 * 4 + i / 4] = rows[i];
   return matrix;
 }
 
@@ -31,29 +30,29 @@ Lowering::SpaceMatrix Lowering::headerMatrix(unsigned first) {
   return {fromRows(rows), integer(1)};
 }
 
-Lowering::SpaceMatrix Lowering::spaceMatrix(lang::VariableId space, bool toWorld) {
+Lowering::SpaceMatrix Lowering::spaceMatrix(lang::VariableId space, bool toWorld, std::uint32_t location) {
   const std::optional<std::string> name = constantName(program_, space);
   const std::optional<Space> known = name ? findSpace(*name) : std::nullopt;
-  if (!known) return hostMatrix(number(space), toWorld);
+  if (!known) return hostMatrix(number(space), toWorld, location);
   if (*known == Space::common) return {{}, integer(1)};
   // In the order of AerosolInstanceHeader.
   return headerMatrix((*known == Space::object ? 0 : 2 * rowNumbers) + (toWorld ? 0 : rowNumbers));
 }
 
 /// Asks the host for each active lane.
-Lowering::SpaceMatrix Lowering::hostMatrix(const Number& space, bool toWorld) {
+Lowering::SpaceMatrix Lowering::hostMatrix(const Number& space, bool toWorld, std::uint32_t location) {
   if (domain_.splitsMasks()) {
     // Time is a range here, and no rule bounds what the host would answer.
-    return {fromRows(Value(rowNumbers, domain_.anything(Kind::floating))), domain_.anything(Kind::integer)};
+    return {fromRows(Value(hostNumbers, domain_.anything(Kind::floating))), domain_.anything(Kind::integer)};
   }
   interface_.asksHostForSpaces = true;
-  const llvm::SmallVector<Kind, 4> floats(rowNumbers, Kind::floating);
+  const llvm::SmallVector<Kind, 4> floats(hostNumbers, Kind::floating);
   llvm::Value* const rows = variables_.memory(floats, 1, true, "space");
   llvm::Value* const found = variables_.memory({Kind::integer}, 1, true, "space.known");
-  llvm::Value* const one = e_.slot(llvm::ArrayType::get(e_.ir.getFloatTy(), rowNumbers), "space.lane");
+  llvm::Value* const one = e_.slot(llvm::ArrayType::get(e_.ir.getFloatTy(), hostNumbers), "space.lane");
   llvm::Value* const times = variables_.memory({Kind::floating}, 1, true, "space.time");
   llvm::Value* const names = variables_.memory({Kind::string}, 1, true, "space.name");
-  for (unsigned i = 0; i < rowNumbers; ++i) {
+  for (unsigned i = 0; i < hostNumbers; ++i) {
     domain_.store(domain_.varying(floating(i % 5 == 0 ? 1 : 0)),
                   e_.pointerAt(rows, domain_.componentOffset(floats, i, true)));
   }
@@ -89,7 +88,7 @@ Lowering::SpaceMatrix Lowering::hostMatrix(const Number& space, bool toWorld) {
   e_.ir.CreateStore(known, laneOf(found, wordType, lane));
   e_.ir.CreateCondBr(e_.ir.CreateICmpNE(known, e_.ir.getInt32(0)), keep, next);
   e_.ir.SetInsertPoint(keep);
-  for (unsigned i = 0; i < rowNumbers; ++i) {
+  for (unsigned i = 0; i < hostNumbers; ++i) {
     llvm::Value* const x = e_.ir.CreateLoad(e_.ir.getFloatTy(), e_.pointerAt(one, std::uint64_t{i} * 4));
     e_.ir.CreateStore(x,
                       laneOf(e_.pointerAt(rows, domain_.componentOffset(floats, i, true)), e_.ir.getFloatTy(), lane));
@@ -101,13 +100,15 @@ Lowering::SpaceMatrix Lowering::hostMatrix(const Number& space, bool toWorld) {
   e_.ir.CreateCondBr(e_.ir.CreateICmpNE(rest, e_.ir.getInt32(0)), loop, end);
   e_.ir.SetInsertPoint(end);
   const Number isKnown = unary(Op::toBool, domain_.load(Kind::integer, true, found));
+  const Condition isSure = domain_.condition(domain_.varying(isKnown));
+  report(AEROSOL_REPORT_SPACE, location, {}, {lang::types::string}, {space}, e_.without(mask().may, isSure.must));
   return {fromRows(loadValue(rows, floats, true)), isKnown};
 }
 
 /// int getmatrix(string from, string to, output matrix m): m is left alone where a space is unknown.
 void Lowering::emitMatrixOfSpaces(const Instruction& instruction) {
-  const SpaceMatrix from = spaceMatrix(instruction.arguments[0], true);
-  const SpaceMatrix to = spaceMatrix(instruction.arguments[1], false);
+  const SpaceMatrix from = spaceMatrix(instruction.arguments[0], true, instruction.location);
+  const SpaceMatrix to = spaceMatrix(instruction.arguments[1], false, instruction.location);
   const lang::VariableId target = instruction.arguments[2];
   Value matrix;
   if (from.matrix.empty() && to.matrix.empty()) {

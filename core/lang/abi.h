@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-enum { AEROSOL_ABI_VERSION = 3, AEROSOL_MAXIMUM_WIDTH = 16 };
+enum { AEROSOL_ABI_VERSION = 4, AEROSOL_MAXIMUM_WIDTH = 16 };
 
 /* Named transforms that a kernel may ask for, besides those by name through the host. Per instance, row-major 3x4
  * (rows of a map on column vectors), floats. "common" is world space. */
@@ -33,7 +33,8 @@ enum {
   AEROSOL_REPORT_INDEX = 3,  /* array index out of range: two int arguments: index, length */
   AEROSOL_REPORT_BUDGET = 4, /* a loop ran out of its iteration budget: no arguments */
   AEROSOL_REPORT_HOST = 5,   /* left by a host function: `site` is that of the call, one string argument: the text */
-  AEROSOL_MESSAGE_FILE = 6   /* for the end of a file, whose name comes before the arguments of the format */
+  AEROSOL_MESSAGE_FILE = 6,  /* for the end of a file, whose name comes before the arguments of the format */
+  AEROSOL_REPORT_SPACE = 7   /* a named space that there is not: one string argument: the name */
 };
 
 /* One argument of a record, 8 bytes: an int32, a float (both in the low bytes) or a string's 64-bit hash. */
@@ -67,7 +68,8 @@ typedef struct AerosolHostServices {
    * `lane` is the point's index in the batch; `sequence` is set by the callee in call order. */
   void (*record)(struct AerosolKernelContext* context, uint32_t kind, uint32_t site, uint32_t lane,
                  const AerosolRecordValue* arguments, uint32_t count);
-  /* Matrix of a named space for one point: writes 12 floats (row-major 3x4), returns 1 when the name is known. */
+  /* Matrix of a named space for one point: writes 16 floats (row-major, rows of a map on column vectors; projections
+   * too), returns 1 when the name is known. */
   int32_t (*spaceToWorld)(struct AerosolKernelContext* context, uint64_t name, uint32_t instance, float time,
                           float* matrix);
   int32_t (*worldToSpace)(struct AerosolKernelContext* context, uint64_t name, uint32_t instance, float time,

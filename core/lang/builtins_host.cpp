@@ -76,6 +76,11 @@ constexpr std::array table = {
         "Value that setmessage, or the source named first (\"trace\"), keeps under a name: 1 when there is one of "
         "the variable's type.",
         dependsOnPoint | readsMessages},
+    BuiltinRow{
+        "trace", "i(pv*)", "trace", host, false,
+        "Whether a ray from a position in a direction hits anything: (position, direction, name, value ...) with "
+        "\"mindist\", \"maxdist\", \"shade\" and \"traceset\". getmessage(\"trace\", ...) tells what was hit.",
+        dependsOnPoint | writesMessages},
     BuiltinRow{"dict_find", "i(ss) i(is)", "dict_find", host, true,
                "The first node of a dictionary (XML text, or the name of such a file), or below a node, that an XPath "
                "query matches; 0: none, -1: no dictionary."},

@@ -13,15 +13,17 @@ struct NoiseName {
   std::string_view name;
   bool periodic;
 };
-constexpr std::array<NoiseName, 9> noiseNames = {{{"perlin", true},
-                                                  {"snoise", true},
-                                                  {"uperlin", true},
-                                                  {"noise", true},
-                                                  {"cell", true},
-                                                  {"hash", true},
-                                                  {"simplex", false},
-                                                  {"usimplex", false},
-                                                  {"gabor", true}}};
+constexpr std::array<NoiseName, 11> noiseNames = {{{"perlin", true},
+                                                   {"snoise", true},
+                                                   {"uperlin", true},
+                                                   {"noise", true},
+                                                   {"cell", true},
+                                                   {"hash", true},
+                                                   {"simplex", false},
+                                                   {"usimplex", false},
+                                                   {"gabor", true},
+                                                   {"null", true},
+                                                   {"unull", true}}};
 
 struct NoiseOption {
   std::string_view name;

@@ -5,6 +5,7 @@
 
 #include "core/lang/analysis.h"
 #include "core/lang/uniformity.h"
+#include "core/lang/user_data.h"
 
 namespace aerosol::lang {
 
@@ -138,6 +139,8 @@ void DerivativeActivity::seed() {
     }
   }
   forEachInstruction(program_.body, [&](const Instruction& instruction) {
+    if (givesUserData(program_, instruction) && isContinuous(program_.variables[instruction.arguments[1]].type))
+      for (std::size_t axis = 0; axis < 2; ++axis) varied_[axis][instruction.arguments[1]] = true;
     const auto query = queryOf(program_, instruction);
     if (!query) return;
     for (std::size_t axis = 0; axis < axisCount; ++axis)

@@ -16,12 +16,21 @@ bool isAffineConstant(const Variable& variable) {
          (*floats)[7] == 0 && (*floats)[11] == 0 && (*floats)[15] == 1;
 }
 
+/// Is it surely none of the spaces that are projections?
+bool isAffineSpace(const Variable& name) {
+  const auto* texts = std::get_if<std::vector<std::string>>(&name.value);
+  if (name.storage != Storage::constant || !texts || texts->size() != 1) return false;
+  return texts->front() != "screen" && texts->front() != "NDC" && texts->front() != "raster";
+}
+
 /// Matrices that are written by getmatrix alone, or start as affine constants.
 std::vector<bool> findAffine(const Program& program) {
   std::vector<bool> isWritten(program.variables.size(), false), isOther(program.variables.size(), false);
   forEachInstruction(program.body, [&](const Instruction& instruction) {
-    const bool isSpaces =
-        instruction.op == Op::call && program.functions[instruction.function].symbol == "getmatrix_i_ssm";
+    const bool isSpaces = instruction.op == Op::call &&
+                          program.functions[instruction.function].symbol == "getmatrix_i_ssm" &&
+                          isAffineSpace(program.variables[instruction.arguments[0]]) &&
+                          isAffineSpace(program.variables[instruction.arguments[1]]);
     const bool isCopy = instruction.op == Op::assign && isAffineConstant(program.variables[instruction.arguments[0]]);
     forEachWritten(program, instruction, [&](VariableId id) {
       isWritten[id] = true;
@@ -93,6 +102,13 @@ bool DerivativeBuilder::isNumber(VariableId id, float value) const {
 std::uint32_t DerivativeBuilder::function(const std::string& symbol, std::uint32_t outputs) {
   const auto [known, isNew] = functions_.emplace(symbol, static_cast<std::uint32_t>(program_.functions.size()));
   if (isNew) program_.functions.push_back({symbol, true, outputs});
+  return known->second;
+}
+
+std::uint32_t DerivativeBuilder::hostFunction(const std::string& symbol, std::uint32_t outputs, std::uint8_t traits) {
+  const auto [known, isNew] =
+      functions_.emplace("host " + symbol, static_cast<std::uint32_t>(program_.functions.size()));
+  if (isNew) program_.functions.push_back({symbol, true, outputs, true, traits});
   return known->second;
 }
 

@@ -54,6 +54,8 @@ class DerivativeBuilder {
   Instruction& append(Op op);
   /// Index of a function that is called by that symbol.
   std::uint32_t function(const std::string& symbol, std::uint32_t outputs);
+  /// The same of a function of the host.
+  std::uint32_t hostFunction(const std::string& symbol, std::uint32_t outputs, std::uint8_t traits);
 
  private:
   VariableId constant(const Type& type, const ConstantValue& value);

@@ -11,6 +11,7 @@
 #include "core/lang/derivative_builder.h"
 #include "core/lang/derivative_rules.h"
 #include "core/lang/uniformity.h"
+#include "core/lang/user_data.h"
 
 namespace aerosol::lang {
 
@@ -297,6 +298,10 @@ class Differentiator {
       // A matrix between unknown spaces stays what it was.
       return builder_.select(instruction.result, zero, derivative(y, axis));
     }
+    if (output && givesUserData(program_, instruction)) {
+      // What is not found leaves the variable as it was.
+      return builder_.select(instruction.result, changeOfUserData(instruction, axis), derivative(y, axis));
+    }
     if (isFlat) return zero;
     const FunctionRule* const rule = findFunctionRule(function);
     const DifferentiatedCall call{function.symbol, step.arguments, dx, y};
@@ -304,6 +309,19 @@ class Differentiator {
     if (output) return rule->outputRule ? rule->outputRule(builder_, call, *output) : zero;
     if (!rule->gradient.empty()) return changeOfNoise(step, dx);
     return rule->rule ? rule->rule(builder_, call) : zero;
+  }
+
+  /// int userdatachange(string name, int axis, output any change)
+  VariableId changeOfUserData(const Instruction& instruction, std::size_t axis) {
+    const std::uint32_t function = builder_.hostFunction("userdatachange", 1u << 2, dependsOnPoint);
+    const VariableId number = builder_.integer(static_cast<std::int32_t>(axis));
+    const VariableId change = builder_.temporary(program_.variables[instruction.arguments[1]].type);
+    const VariableId found = builder_.temporary(types::integer);
+    Instruction& call = builder_.append(Op::call);
+    call.function = function;
+    call.result = found;
+    call.arguments = {instruction.arguments[0], number, change};
+    return change;
   }
 
   /// Forward difference over the footprint itself, for functions that are not known.

@@ -280,6 +280,7 @@ class ClosureExpansion : CodeWriter {
       const ClosureSite row = program_.closureSites[site];
       std::vector<VariableId> arguments = {text, constant(Constant::ofString(row.closure)), value.linear[0]};
       for (std::size_t i = 0; i < value.mean.size(); ++i) {
+        if (std::ranges::any_of(row.layers, [&](const ClosureLayer& layer) { return layer.weight == i; })) continue;
         if (!isVolume() && i >= positional(row))
           arguments.push_back(constant(Constant::ofString(row.parameterNames[i])));
         arguments.push_back(value.mean[i]);

@@ -55,10 +55,11 @@ struct Group {
 };
 
 struct GroupOptions {
-  bool lazyLayers = true;       ///< Otherwise all layers are run, in order.
-  bool lazyGlobals = true;      ///< Otherwise layers that write globals are always run.
-  bool lazyUnconnected = true;  ///< Otherwise layers of which no output is connected are always run.
-  bool mergeInstances = true;   ///< Layers that are alike become one.
+  bool lazyLayers = true;            ///< Otherwise all layers are run, in order.
+  bool lazyGlobals = true;           ///< Otherwise layers that write globals are always run.
+  bool lazyUnconnected = true;       ///< Otherwise layers of which no output is connected are always run.
+  bool mergeInstances = true;        ///< Layers that are alike become one.
+  bool userDataIsConnected = false;  ///< For `isconnected`, of parameters that read user data.
   /// Values have to be of the parameter's type, triples of any kind for one another; what is not is left out with a
   /// warning, unknown parameters too. Otherwise both are errors, and values are converted as assignments do it.
   bool exactTypes = false;
@@ -103,6 +104,7 @@ struct ResolvedGroup {
   std::vector<Link> links;  ///< Sorted by target layer.
   ParameterValues values;   ///< Of the merged program's parameters, by index.
   Diagnostics warnings;
+  bool userDataIsConnected = false;  ///< GroupOptions
   /// Groups with equal keys have equal merged programs (as long as the layers' programs live); values do not count.
   std::string key;
 };

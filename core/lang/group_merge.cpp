@@ -10,6 +10,7 @@
 #include "core/lang/group_placement.h"
 #include "core/lang/lower.h"
 #include "core/lang/uniformity.h"
+#include "core/lang/user_data.h"
 
 namespace aerosol::lang {
 
@@ -100,8 +101,8 @@ class Merger {
     program_.locations.insert(program_.locations.end(), program.locations.begin(), program.locations.end());
     for (const Variable& variable : program.variables) shader.variables.push_back(shared(variable));
     for (const FunctionUse& function : program.functions) {
-      const auto [same, isNew] = functions_.emplace((function.host ? "host " : "") + function.symbol,
-                                                    static_cast<std::uint32_t>(program_.functions.size()));
+      const auto [same, isNew] =
+          functions_.emplace(keyOf(function), static_cast<std::uint32_t>(program_.functions.size()));
       if (isNew) program_.functions.push_back(function);
       shader.functions.push_back(same->second);
     }
@@ -282,8 +283,10 @@ class Merger {
         map_[parameter.isSet] = isSetVariable(*layer.program, parameter, number, whole != nullptr);
         if (added && !whole) added->isSet = map_[parameter.isSet];
       }
+      const bool isUserData = group_.userDataIsConnected && readsUserData(parameter);
       if (parameter.isConnected != noVariable)
-        map_[parameter.isConnected] = this->number((isLinked[p] ? 1 : 0) + (outgoing_[index].contains(p) ? 2 : 0));
+        map_[parameter.isConnected] =
+            this->number((isLinked[p] || isUserData ? 1 : 0) + (outgoing_[index].contains(p) ? 2 : 0));
     }
   }
 
@@ -456,6 +459,12 @@ class Merger {
   std::vector<const Shader*> shadersOfLayers_;
   std::array<VariableId, globalCount> globals_ = noGlobals();
   std::unordered_map<std::string, VariableId> constants_;
+  /// A function of the host may write other arguments at another place.
+  static std::string keyOf(const FunctionUse& function) {
+    return fmt::format("{} {} {} {} {}", function.symbol, function.host, function.pure, function.outputs,
+                       function.traits);
+  }
+
   std::unordered_map<std::string, std::uint32_t> functions_;
   std::vector<std::uint32_t> producers_;         ///< By variable.
   std::vector<std::vector<VariableId>> values_;  ///< By layer and its parameter.

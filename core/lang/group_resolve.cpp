@@ -75,6 +75,7 @@ class Resolver {
     decideWhatRuns();
     mergeInstances();
     finish();
+    result_.userDataIsConnected = options_.userDataIsConnected;
     return std::move(result_);
   }
 

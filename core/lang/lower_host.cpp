@@ -4,6 +4,7 @@
 #include "core/lang/lowerer.h"
 #include "core/lang/pure_functions.h"
 #include "core/lang/regex.h"
+#include "core/lang/user_data.h"
 
 namespace aerosol::lang {
 
@@ -98,16 +99,8 @@ Value Lowerer::lowerIsConstant(const Expression& expression, const Call& called)
   return {types::integer, {callHost("isconstant", types::integer, {value.single()}, {.folds = false})}};
 }
 
-/// Parameters with `lockgeom = 0` (or `interpolated = 1`) take values that the geometry carries under their names.
 void Lowerer::bindUserData(const Parameter& parameter) {
-  bool isUserData = false;
-  for (const MetadataValue& entry : parameter.metadata) {
-    const auto* ints = std::get_if<std::vector<std::int32_t>>(&entry.value);
-    if (!ints || ints->size() != 1) continue;
-    if (entry.name == "lockgeom") isUserData = (*ints)[0] == 0;
-    if (entry.name == "interpolated") isUserData = (*ints)[0] != 0;
-  }
-  if (!isUserData || parameter.type.base == BaseType::string) return;
+  if (!readsUserData(parameter) || parameter.type.base == BaseType::string) return;
   const HostUse use{.outputs = 1u << 1, .traits = dependsOnPoint};
   callHost("userdata", types::integer, {constantString(parameter.name), parameter.variable}, use);
 }

@@ -11,10 +11,11 @@ namespace {
 struct NoiseKind {
   std::string_view name;
   const char* symbol;
-  bool periodic;  ///< Has a periodic form, whose symbol has a p in front.
+  bool periodic;    ///< Has a periodic form, whose symbol has a p in front.
+  float value = 0;  ///< Of a kind without a symbol: the same everywhere.
 };
 constexpr std::string_view gaborKind = "gabor";
-constexpr std::array<NoiseKind, 9> noiseKinds = {{
+constexpr std::array<NoiseKind, 11> noiseKinds = {{
     {"perlin", "perlin", true},
     {"snoise", "perlin", true},
     {"uperlin", "uperlin", true},
@@ -24,6 +25,8 @@ constexpr std::array<NoiseKind, 9> noiseKinds = {{
     {"simplex", "simplex", false},
     {"usimplex", "usimplex", false},
     {gaborKind, "", true},
+    {"null", nullptr, true, 0},
+    {"unull", nullptr, true, 0.5f},
 }};
 
 }  // namespace
@@ -82,8 +85,9 @@ Value Lowerer::lowerNoise(const Expression& expression, const Call& called, bool
   const VariableId kind = arguments[0].single();
   arguments.erase(arguments.begin());
   const auto noiseOf = [&](const NoiseKind& row) {
-    return row.name == gaborKind ? gaborNoise(expression, called, arguments, periodic, options)
-                                 : noiseCall(row.symbol, type, arguments, periodic);
+    if (row.name == gaborKind) return gaborNoise(expression, called, arguments, periodic, options);
+    if (!row.symbol) return convert({types::floating, {constantFloat(row.value)}}, type);
+    return noiseCall(row.symbol, type, arguments, periodic);
   };
   if (const auto known = constantOf(kind)) {
     for (const NoiseKind& row : noiseKinds)

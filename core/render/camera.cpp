@@ -45,6 +45,22 @@ Camera::Camera(const scene::Sensor& sensor, const scene::Film& film)
       apertureRadius_(sensor.type == scene::SensorType::thinlens ? static_cast<double>(sensor.apertureRadius) : 0),
       focusDistance_(static_cast<double>(sensor.focusDistance.value_or(sensor.farClip))) {}
 
+shading::CameraProjection Camera::projection() const {
+  const double depth = farClip_ / (farClip_ - nearClip_), aspect = width_ / height_;
+  shading::CameraProjection result;
+  const double scale = 1 / tangentX_;
+  result.toScreen = {{{-scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, depth, -depth * nearClip_}, {0, 0, 1, 0}}};
+  if (isOrthographic_) {
+    const double perUnit = 1 / (farClip_ - nearClip_);
+    result.toScreen[2] = {0, 0, perUnit, -perUnit * nearClip_};
+    result.toScreen[3] = {0, 0, 0, 1};
+  }
+  result.screenToNdc = {{{0.5, 0, 0, 0.5}, {0, -0.5 * aspect, 0, 0.5}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+  result.width = static_cast<int>(width_);
+  result.height = static_cast<int>(height_);
+  return result;
+}
+
 Ray<World> Camera::ray(const CameraSample& sample) const {
   const double sx = (1 - 2 * (static_cast<double>(sample.x) + shiftX_) / width_) * tangentX_;
   const double sy = (1 - 2 * (static_cast<double>(sample.y) + shiftY_) / height_) * tangentY_;

@@ -5,6 +5,7 @@
 
 #include "core/base/geometry.h"
 #include "core/scene/description.h"
+#include "core/shading/kernel_host.h"
 
 namespace aerosol::render {
 
@@ -24,6 +25,11 @@ class Camera {
   /// Unit direction, origin on the lens. `tMin` and `tMax` lie on the clip planes, which are at right angles to the
   /// view.
   Ray<World> ray(const CameraSample& sample) const;
+
+  /// From camera space to a plane (of a perspective view: at distance 1) on which the picture spans -1 to 1 across its
+  /// width, x to the right and y upwards, and depth 0 to 1 from clip plane to clip plane; then to the picture, from its
+  /// upper left corner.
+  shading::CameraProjection projection() const;
 
   /// Tangent of half the angle of view across the film's width; half the width of the view of an orthographic one.
   double tangentX() const { return tangentX_; }

@@ -450,6 +450,7 @@ class Preparation {
     scene_->filter.emplace(description_.film.filter);
     const auto& toWorld = description_.sensor.toWorld;
     scene_->namedSpaces.add("camera", toWorld.matrix(), toWorld.inverseMatrix());
+    scene_->namedSpaces.addCamera(toWorld.inverseMatrix(), scene_->camera->projection());
     scene_->sampler =
         description_.sampler.type == scene::SamplerType::sobol ? SamplerKind::sobol : SamplerKind::independent;
     scene_->seed = static_cast<std::uint64_t>(description_.sampler.seed);

@@ -1,5 +1,11 @@
 #include "core/render/question_facts.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/hash.h"
 #include "core/render/kernel_queue.h"
 #include "core/render/prepared_scene.h"
 
@@ -32,6 +38,53 @@ float QuestionFacts::surfaceArea(std::uint32_t point) const { return instance(po
 
 const shading::AttributeTable* QuestionFacts::attributes(std::uint32_t point) const {
   return instance(point).attributes.get();
+}
+
+/// Whether an object is one of those that count: the one of that name, all but that with "-" in front, or any.
+static bool belongs(const PreparedScene& scene, accel::ObjectId object, std::string_view set) {
+  if (set.empty()) return true;
+  const bool isExcluded = set.front() == '-';
+  const auto& attributes = scene.shading.instance(scene.objects[object].material).attributes;
+  const lang::Constant* name = attributes ? attributes->find(hashString("geom:name")) : nullptr;
+  return (name && name->asString() == set.substr(isExcluded ? 1 : 0)) != isExcluded;
+}
+
+/// A ray from the point itself starts off its own surface.
+bool QuestionFacts::trace(std::uint32_t point, const shading::TraceRequest& request,
+                          shading::TraceAnswer& answer) const {
+  const auto& [o, d] = std::pair(request.origin, request.direction);
+  const float length = std::hypot(d[0], d[1], d[2]);
+  Ray<World> ray;
+  ray.origin = {o[0], o[1], o[2]};
+  ray.direction = {d[0] / length, d[1] / length, d[2] / length};
+  ray.tMin = std::max(request.least, 0.0f);
+  ray.tMax = request.greatest;
+  if (const shading::ShadingPoint* surface = question(point).surfacePoint) {
+    const auto triple = [&](lang::Global global) {
+      const auto first = static_cast<std::size_t>(jit::globalPointer(global));
+      return std::array<float, 3>{(*surface)[first], (*surface)[first + 1], (*surface)[first + 2]};
+    };
+    const std::array<float, 3> n = triple(lang::Global::Ng);
+    if (triple(lang::Global::P) == o) ray.origin = accel::offsetPoint(ray.origin, {n[0], n[1], n[2]}, ray.direction);
+  }
+  accel::SpanBuffer spans;
+  accel::Counters counters;
+  auto hit = scene_.geometry->closestHit(ray, spans, counters);
+  while (hit && !belongs(scene_, hit->object, request.set)) {
+    const accel::HitKey passed = hit->key();
+    hit = scene_.geometry->closestHit(ray, spans, counters, &passed);
+  }
+  if (!hit) return false;
+  const auto put = [](std::array<float, 3>& target, const auto& from) { target = {from.x, from.y, from.z}; };
+  answer.isHit = true;
+  answer.distance = static_cast<float>(hit->t);
+  put(answer.position, hit->point);
+  put(answer.normal, hit->shadingNormal);
+  put(answer.geometricNormal, hit->geometricNormal);
+  answer.u = hit->u;
+  answer.v = hit->v;
+  answer.object = scene_.shading.instance(scene_.objects[hit->object].material).attributes.get();
+  return true;
 }
 
 }  // namespace aerosol::render

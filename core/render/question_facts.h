@@ -24,6 +24,7 @@ class QuestionFacts final : public shading::PointFacts {
   bool isBackfacing(std::uint32_t point) const override;
   float surfaceArea(std::uint32_t point) const override;
   const shading::AttributeTable* attributes(std::uint32_t point) const override;
+  bool trace(std::uint32_t point, const shading::TraceRequest& request, shading::TraceAnswer& answer) const override;
 
  private:
   const Question& question(std::uint32_t point) const;

@@ -122,9 +122,24 @@ void getAttributeFunction(PointCall& call) {
   });
 }
 
+bool assignAttribute(PointCall& call, std::size_t target, unsigned lane, const lang::Constant& value) {
+  return assign(call, target, lane, value, -1);
+}
+
 void userDataFunction(PointCall& call) {
   call.forEachLane(
       [&](unsigned lane) { call.set(result, lane, std::int32_t{assignUserData(call, 1, lane, call.hash(0, lane))}); });
+}
+
+void userDataChangeFunction(PointCall& call) {
+  call.forEachLane([&](unsigned lane) {
+    std::array<float, PointFacts::maximumUserData> values{};
+    const PointFacts& facts = call.host().facts();
+    const std::optional<Type> type = facts.userData(call.point(lane), call.hash(0, lane), values);
+    const int axis = call.integer(1, lane);
+    if (type) facts.userDataChange(call.point(lane), call.hash(0, lane), axis, values);
+    call.set(result, lane, std::int32_t{type && assignNumbers(call, 2, lane, {*type, nullptr, values.data()})});
+  });
 }
 
 void rayTypeFunction(PointCall& call) {

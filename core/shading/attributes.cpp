@@ -1,5 +1,7 @@
 #include "core/shading/attributes.h"
 
+#include <algorithm>
+
 #include "core/base/hash.h"
 
 namespace aerosol::shading {
@@ -26,6 +28,10 @@ float PointFacts::surfaceArea(std::uint32_t) const { return 0; }
 const AttributeTable* PointFacts::attributes(std::uint32_t) const { return nullptr; }
 std::optional<lang::Type> PointFacts::userData(std::uint32_t, std::uint64_t, std::span<float, maximumUserData>) const {
   return std::nullopt;
+}
+bool PointFacts::trace(std::uint32_t, const TraceRequest&, TraceAnswer&) const { return false; }
+void PointFacts::userDataChange(std::uint32_t, std::uint64_t, int, std::span<float, maximumUserData> values) const {
+  std::ranges::fill(values, 0.0f);
 }
 
 }  // namespace aerosol::shading

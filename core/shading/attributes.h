@@ -1,7 +1,9 @@
 // Named values that shaders may ask for: of the whole scene, of its objects, and of single points.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -38,6 +40,22 @@ class SceneAttributes {
   std::map<std::uint64_t, AttributeTable> objects_;
 };
 
+/// A ray that a shader sends; distances are lengths, whatever the direction's.
+struct TraceRequest {
+  std::array<float, 3> origin{}, direction{};  ///< World space.
+  float least = 0, greatest = std::numeric_limits<float>::infinity();
+  std::string_view set;  ///< Name of the objects that count; empty: all.
+};
+
+/// What it hit. World space.
+struct TraceAnswer {
+  bool isHit = false;
+  float distance = 0;
+  std::array<float, 3> position{}, normal{}, geometricNormal{};
+  float u = 0, v = 0;
+  const AttributeTable* object = nullptr;
+};
+
 /// What is known of the points of the batch that runs, by their index in it. The functions here say: nothing.
 class PointFacts {
  public:
@@ -57,6 +75,11 @@ class PointFacts {
   /// type and writes its components; nothing when there is none of that name.
   virtual std::optional<lang::Type> userData(std::uint32_t point, std::uint64_t nameHash,
                                              std::span<float, maximumUserData> values) const;
+  /// Sends a ray from the point: whether it hits anything. The answer is all that messages tell of it.
+  virtual bool trace(std::uint32_t point, const TraceRequest& request, TraceAnswer& answer) const;
+  /// How such a value changes to the next shading sample, in x (axis 0) or y (1): writes its components. Zero here.
+  virtual void userDataChange(std::uint32_t point, std::uint64_t nameHash, int axis,
+                              std::span<float, maximumUserData> values) const;
 };
 
 }  // namespace aerosol::shading

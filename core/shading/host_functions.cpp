@@ -12,6 +12,7 @@
 #include "core/shading/point_functions.h"
 #include "core/shading/point_messages.h"
 #include "core/shading/texture_functions.h"
+#include "core/shading/trace_function.h"
 
 namespace aerosol::shading {
 
@@ -28,11 +29,13 @@ constexpr std::array table = {
     Entry{"pointcloud_write", pointcloudWrite},
     Entry{"getattribute", getAttributeFunction},
     Entry{"userdata", userDataFunction},
+    Entry{"userdatachange", userDataChangeFunction},
     Entry{"raytype", rayTypeFunction},
     Entry{"backfacing", backfacingFunction},
     Entry{"surfacearea", surfaceAreaFunction},
     Entry{"setmessage", setMessageFunction},
     Entry{"getmessage", getMessageFunction},
+    Entry{"trace", traceFunction},
     Entry{"dict_find", dictionaryFindFunction},
     Entry{"dict_next", dictionaryNextFunction},
     Entry{"dict_value", dictionaryValueFunction},
@@ -88,7 +91,8 @@ HostCalls::HostCalls(HostReport report, Services* services)
     : report_(std::move(report)),
       services_(services),
       facts_(&nothingKnown),
-      messages_(std::make_unique<PointMessages>()) {}
+      messages_(std::make_unique<PointMessages>()),
+      tracedRays_(std::make_unique<TracedRays>()) {}
 HostCalls::~HostCalls() = default;
 
 void HostCalls::setFacts(const PointFacts* facts) { facts_ = facts ? facts : &nothingKnown; }
@@ -97,6 +101,7 @@ void HostCalls::begin(const jit::KernelInterface& interface, const StringList* s
   interface_ = &interface;
   functions_.clear();
   messages_->clear();
+  tracedRays_->clear();
   for (const lang::HostSite& site : interface.hostSites)
     functions_.push_back({lang::findPureFunction(site.function), findHostFunction(site.function)});
   strings_.begin(interface, stringsOfInstances, count);

@@ -26,6 +26,7 @@ class HostCalls;
 class PointFacts;
 class PointMessages;
 class SceneAttributes;
+class TracedRays;
 
 /// A call as a host function sees it: besides its values, whose points they are and what the host knows of these.
 class PointCall : public lang::HostCall {
@@ -79,6 +80,7 @@ class HostCalls {
   const PointFacts& facts() const { return *facts_; }
   /// Of the points of this run.
   PointMessages& messages() { return *messages_; }
+  TracedRays& tracedRays() { return *tracedRays_; }
 
   RuntimeStrings& strings() { return strings_; }
   const RuntimeStrings& strings() const { return strings_; }
@@ -96,6 +98,7 @@ class HostCalls {
   const SceneAttributes* attributes_ = nullptr;
   const PointFacts* facts_;
   std::unique_ptr<PointMessages> messages_;
+  std::unique_ptr<TracedRays> tracedRays_;
   const jit::KernelInterface* interface_ = nullptr;
   std::vector<Function> functions_;  ///< By host site.
 };

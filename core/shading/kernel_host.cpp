@@ -10,11 +10,26 @@ namespace aerosol::shading {
 
 void NamedSpaces::add(const std::string& name, const Matrix4& toWorld, const Matrix4& fromWorld) {
   Space space;
-  for (std::size_t i = 0; i < 12; ++i) {
+  for (std::size_t i = 0; i < 16; ++i) {
     space.toWorld[i] = static_cast<float>(toWorld[i / 4][i % 4]);
     space.fromWorld[i] = static_cast<float>(fromWorld[i / 4][i % 4]);
   }
   spaces_[hashString(name)] = space;
+}
+
+void NamedSpaces::addCamera(const Matrix4& worldToCamera, const CameraProjection& camera) {
+  const auto addProjection = [this](const std::string& name, const Matrix4& fromWorld) {
+    Matrix4 toWorld = identityMatrix();
+    if (invert(fromWorld, toWorld)) add(name, toWorld, fromWorld);
+  };
+  Matrix4 pixels = identityMatrix();
+  pixels[0][0] = camera.width;
+  pixels[1][1] = camera.height;
+  const Matrix4 screen = multiply(camera.toScreen, worldToCamera);
+  const Matrix4 ndc = multiply(camera.screenToNdc, screen);
+  addProjection("screen", screen);
+  addProjection("NDC", ndc);
+  addProjection("raster", multiply(pixels, ndc));
 }
 
 const NamedSpaces::Space* NamedSpaces::find(std::uint64_t nameHash) const {
@@ -51,33 +66,34 @@ void KernelHost::begin(const jit::KernelInterface& interface, const Family& fami
 }
 
 /// Kernels know the spaces of the language themselves, except by names that are only known when they run.
-const float* KernelHost::spaceMatrix(std::uint64_t name, std::uint32_t instance, bool toWorld) const {
-  static constexpr std::array<float, 12> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+bool KernelHost::spaceMatrix(std::uint64_t name, std::uint32_t instance, bool toWorld, float* matrix) const {
+  static constexpr std::array<float, 16> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   static const std::uint64_t common = hashString("common"), world = hashString("world");
   static const std::uint64_t object = hashString("object"), shader = hashString("shader");
-  if (name == common || name == world) return identity.data();
+  std::ranges::copy(identity, matrix);
+  if (name == common || name == world) return true;
   if ((name == object || name == shader) && instanceData_) {
     const auto* header =
         reinterpret_cast<const AerosolInstanceHeader*>(instanceData_ + instanceStride_ * std::size_t{instance});
-    if (name == object) return toWorld ? header->objectToWorld : header->worldToObject;
-    return toWorld ? header->shaderToWorld : header->worldToShader;
+    const bool isObject = name == object;
+    const float* toIt = isObject ? header->worldToObject : header->worldToShader;
+    const float* fromIt = isObject ? header->objectToWorld : header->shaderToWorld;
+    std::copy_n(toWorld ? fromIt : toIt, 12, matrix);
+    return true;
   }
   const NamedSpaces::Space* space = spaces_.find(name);
-  return !space ? nullptr : toWorld ? space->toWorld : space->fromWorld;
+  if (space) std::ranges::copy(toWorld ? space->toWorld : space->fromWorld, matrix);
+  return space != nullptr;
 }
 
 std::int32_t KernelHost::spaceToWorld(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance, float,
                                       float* matrix) {
-  const float* rows = of(context).spaceMatrix(name, instance, true);
-  if (rows) std::copy_n(rows, 12, matrix);
-  return rows != nullptr;
+  return of(context).spaceMatrix(name, instance, true, matrix);
 }
 
 std::int32_t KernelHost::worldToSpace(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance, float,
                                       float* matrix) {
-  const float* rows = of(context).spaceMatrix(name, instance, false);
-  if (rows) std::copy_n(rows, 12, matrix);
-  return rows != nullptr;
+  return of(context).spaceMatrix(name, instance, false, matrix);
 }
 
 }  // namespace aerosol::shading

@@ -1,6 +1,7 @@
 // What running kernels reach of the host: named spaces and the log of their messages. One per thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -13,14 +14,23 @@
 
 namespace aerosol::shading {
 
+/// What the projections of a camera follow from.
+struct CameraProjection {
+  Matrix4 toScreen = identityMatrix();  ///< From camera space, to be divided by the fourth coordinate.
+  Matrix4 screenToNdc = identityMatrix();
+  int width = 1, height = 1;  ///< Pixels: "raster" is "NDC" times these.
+};
+
 /// Coordinate systems that shaders may name, besides object, shader, world and common. Const after preparation.
 class NamedSpaces {
  public:
   void add(const std::string& name, const Matrix4& toWorld, const Matrix4& fromWorld);
+  /// "screen", "NDC" and "raster" of a camera.
+  void addCamera(const Matrix4& worldToCamera, const CameraProjection& camera);
 
   struct Space {
-    float toWorld[12];
-    float fromWorld[12];
+    std::array<float, 16> toWorld;  ///< Row-major, for column vectors.
+    std::array<float, 16> fromWorld;
   };
   /// Null when there is none of that name.
   const Space* find(std::uint64_t nameHash) const;
@@ -74,8 +84,8 @@ class KernelHost {
   static void call(AerosolKernelContext* context, const AerosolHostCall* call);
 
   static const AerosolHostServices services_;
-  /// 12 floats of a named space for an instance; null when the name is unknown.
-  const float* spaceMatrix(std::uint64_t name, std::uint32_t instance, bool toWorld) const;
+  /// Writes 16 floats of a named space for an instance; false when the name is unknown.
+  bool spaceMatrix(std::uint64_t name, std::uint32_t instance, bool toWorld, float* matrix) const;
 
   Context context_;
   const NamedSpaces& spaces_;

@@ -42,6 +42,9 @@ std::string describe(const Record& record, const jit::KernelInterface& interface
       const int length = record.values.size() < 2 ? 0 : record.values[1].i;
       return fmt::format("index {} is outside of '{}', which has {} elements", index, site.format, length);
     }
+    case AEROSOL_REPORT_SPACE:
+      return fmt::format("there is no coordinate system \"{}\"",
+                         record.values.empty() ? std::string_view{} : text(record.values[0].s));
     case AEROSOL_REPORT_BUDGET:
       return "loop stopped: it ran out of its budget of iterations";
     default:

@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "core/base/hash.h"
+#include "core/shading/trace_function.h"
 
 namespace aerosol::shading {
 
@@ -65,7 +66,10 @@ void setMessageFunction(PointCall& call) {
 void getMessageFunction(PointCall& call) {
   const std::size_t target = call.argumentCount() - 1;
   call.forEachLane([&](unsigned lane) {
+    static const std::uint64_t trace = hashString("trace");
     const bool hasSource = target == 2 && call.hash(0, lane) != 0;
+    if (hasSource && call.hash(0, lane) == trace)
+      return call.set(result, lane, std::int32_t{getTraceMessage(call, target, lane, call.hash(1, lane))});
     const PointMessages::Message* message =
         hasSource ? nullptr : call.host().messages().find(call.point(lane), call.hash(target - 1, lane));
     const bool found = message && sameType(message->type, call.type(target));

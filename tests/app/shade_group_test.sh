@@ -88,5 +88,3 @@ said err "nothing"
 expect 1 shade --group "shadr ramp a ;"
 said err "group:1:1: error: unknown statement 'shadr'"
 expect 0 shade --userdata a 1 --raytype shadow ramp
-said err "--userdata has no effect yet"
-said err "--raytype has no effect yet"

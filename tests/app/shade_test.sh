@@ -35,12 +35,6 @@ hello, a+b = 1
 
 OUT
 
-echo "-- what has no effect yet says so, under either name"
-"$work/testshade" --raytype camera hello >"$work/out" 2>"$work/err" || fail "testshade --raytype ended with $?"
-said err "--raytype has no effect yet"
-expect 0 shade --userdata s 1 hello
-said err "--userdata has no effect yet"
-
 echo "-- points, line by line"
 cat >where.osl <<'OSL'
 shader where(output color Cout = 0, output int even = 0) {
@@ -92,6 +86,79 @@ shows spaces <<'OUT'
 1.0000 0.5000 1.0000
 
 OUT
+
+cat >nowhere.osl <<'OSL'
+shader nowhere() { printf("%g\n", transform("nowhere", P)); }
+OSL
+shows nowhere <<'OUT'
+ERROR: Unknown transformation "nowhere"
+0.5 0.5 1
+
+OUT
+cat >camera.osl <<'OSL'
+shader camera() {
+  printf("%.3f %.3f %.3f\n", transform("camera", P), transform("NDC", P), transform("raster", P));
+  int size[2];
+  printf("%d %d\n", getattribute("camera:resolution", size), size);
+}
+OSL
+shows -g 4 1 camera <<'OUT'
+0.000 0.500 1.000 0.500 0.750 0.900 2.000 0.750 0.900
+1 4 1
+0.333 0.500 1.000 0.667 0.750 0.900 2.667 0.750 0.900
+1 4 1
+0.667 0.500 1.000 0.833 0.750 0.900 3.333 0.750 0.900
+1 4 1
+1.000 0.500 1.000 1.000 0.750 0.900 4.000 0.750 0.900
+1 4 1
+
+OUT
+
+echo "-- derivatives, and what geometry carries"
+cat >steps.osl <<'OSL'
+shader steps(float s = 0 [[ int lockgeom = 0 ]], float age = 7) {
+  printf("%g %g %g %g %g %g\n", Dx(u), Dy(v), Dx(P), Dx(s), Dx(s * s), age);
+}
+OSL
+shows --center -g 2 1 steps <<'OUT'
+0.5 1 1 0 0 0.5 0.25 7
+0.5 1 1 0 0 0.5 0.75 7
+
+OUT
+shows --vary_udxdy --scaleuv 0.5 1 --param:interpolated=1 age 1.0 --userdata age 2.5 steps <<'OUT'
+0.75 1 0.5 0 0 0.75 0.375 2.5
+
+OUT
+cat >asks.osl <<'OSL'
+shader asks(float age = 7 [[ int lockgeom = 0 ]]) {
+  float distance = -1;
+  int isHit = trace(point(0), vector(0, 0, 1)), isKnown = getmessage("trace", "hitdist", distance);
+  printf("%d %d %d %d %d %g\n", raytype("camera"), raytype("shadow"), isconnected(age), isHit, isKnown, distance);
+}
+OSL
+shows --raytype shadow asks <<'OUT'
+0 1 0 1 0 -1
+
+OUT
+shows --userdata_isconnected --offsetuv 0.25 0 asks <<'OUT'
+1 0 1 1 1 0.5
+
+OUT
+
+echo "-- closures, and files that are added to"
+cat >adds.osl <<'OSL'
+surface adds() {
+  Ci = 0.5 * diffuse(N) + microfacet("ggx", N, 0.1, 1.5, 0);
+  printf("%s\n", Ci);
+  fprintf("added.txt", "%g\n", u);
+}
+OSL
+shows adds <<'OUT'
+(0.5, 0.5, 0.5) * diffuse ((0, 0, 1), "label", "")
+	+ (1, 1, 1) * microfacet ("ggx", (0, 0, 1), (0, 0, 0), 0.1, 0.1, 1.5, 0)
+
+OUT
+[ "$(cat added.txt)" = 0.5 ] || fail "added.txt holds $(cat added.txt)"
 
 echo "-- warnings and errors of shaders, each once"
 cat >wrong.osl <<'OSL'

@@ -205,6 +205,7 @@ std::string messageOf(const KernelInterface& interface, const Answers& answers, 
     return std::bit_cast<std::int32_t>(static_cast<std::uint32_t>(record.values.at(i)));
   };
   if (record.kind == AEROSOL_REPORT_BUDGET) return "budget";
+  if (record.kind == AEROSOL_REPORT_SPACE) return "space: " + answers.text(record.values.at(0));
   if (record.kind == AEROSOL_REPORT_HOST) return "host: " + answers.text(record.values.at(0));
   if (record.kind == AEROSOL_REPORT_INDEX) return "index: " + std::to_string(asInt(0)) + " " + std::to_string(asInt(1));
   static constexpr std::array<const char*, 7> kinds = {"print: ", "warning: ", "error: ", "", "", "", "file "};

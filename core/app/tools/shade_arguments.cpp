@@ -133,6 +133,16 @@ std::vector<OptionRow> Reader::gridRows() {
       {"center", "", "Points at the centres of pixels, not on the patch's border", setFlag(grid.pixelCentres)},
       {"offsetuv,offsetst", "U V", "Added to u and v [0 0]", setFloats(grid.uOffset, grid.vOffset)},
       {"scaleuv,scalest", "U V", "Factors of u and v [1 1]", setFloats(grid.uScale, grid.vScale)},
+      {"vary_pdxdy", "", "Derivatives of P that differ from point to point", setFlag(grid.varyDP)},
+      {"vary_udxdy", "", "The same of u", setFlag(grid.varyDU)},
+      {"vary_vdxdy", "", "The same of v", setFlag(grid.varyDV)},
+      {"raytype", "NAME", "What raytype() says of all points [camera]", setText(arguments.rayType)},
+      {"userdata", "NAME VALUE", "What the geometry carries at all points; --userdata:type=color gives its type",
+       [this](const OptionUse& use) {
+         return readNamedValue(use, use.values[0], use.values[1], arguments.userData.emplace_back());
+       }},
+      {"userdata_isconnected", "", "Parameters that read such values count as connected",
+       setFlag(arguments.userDataIsConnected)},
   };
 }
 
@@ -198,18 +208,11 @@ std::vector<OptionRow> Reader::ignoredRows() {
   std::vector<OptionRow> rows;
   rows.push_back(
       {"O0,O1,O2,debug2,llvm_debug,batched,profile,warmup,optix,saveptx,raytype_opt,debugnan,debuguninit,"
-       "groupoutputs,inbuffer,no-output-placement,shadeimage,noshadeimage,userdata_isconnected,"
+       "groupoutputs,inbuffer,no-output-placement,shadeimage,noshadeimage,"
        "use_rs_bitcode,print-groupdata,print-group-stats,optix_no_inline,optix_no_inline_layer_funcs,"
        "optix_no_merge_layer_funcs,optix_no_inline_rend_lib,optix_no_rend_lib_bitcode,"
        "optix_register_inline_funcs",
        "", "", ignore});
-  const TakeOption miss = [this](const OptionUse& use) -> Problem {
-    arguments.missing.push_back(use.spelling);
-    return {};
-  };
-  rows.push_back({"vary_pdxdy,vary_udxdy,vary_vdxdy", "", "", miss});
-  rows.push_back({"userdata", "NAME VALUE", "", miss});
-  rows.push_back({"raytype", "NAME", "", miss});
   rows.push_back({"llvm_opt,texoptions,colorspace,locale,jbufferMB,optix_no_inline_thresh,optix_force_inline_thresh",
                   "VALUE", "", ignore});
   return rows;

@@ -60,12 +60,14 @@ struct ShadeArguments {
   int iterations = 1;
   int threads = 0;  ///< 0: one a processor.
   std::vector<ShadeReparameter> reparameters;
+  std::string rayType = "camera";    ///< What all points' rays are.
+  std::vector<NamedValue> userData;  ///< What the geometry carries, the same at all points.
+  bool userDataIsConnected = false;  ///< isconnected() says so of parameters that read user data.
   std::vector<std::string> shaderPath;
   std::vector<std::string> entryLayers, entryOutputs;
   std::string archive;
   bool verbose = false, statistics = false, query = false;
   std::vector<std::string> ignored;  ///< Options that mean nothing here, as they were spelled.
-  std::vector<std::string> missing;  ///< Options that OSL's tool acts on and this one does not, as they were spelled.
   KernelArguments kernels;
 };
 

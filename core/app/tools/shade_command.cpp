@@ -15,10 +15,10 @@
 #include "core/app/tools/osl_form.h"
 #include "core/app/tools/shade_arguments.h"
 #include "core/app/tools/shade_group.h"
+#include "core/app/tools/shade_host.h"
 #include "core/app/tools/shade_messages.h"
 #include "core/app/tools/shade_outputs.h"
 #include "core/app/tools/shade_run.h"
-#include "core/render/scene_services.h"
 
 namespace aerosol::app {
 
@@ -62,8 +62,6 @@ class ShadeRun {
 };
 
 void ShadeRun::noteIgnored() const {
-  for (const std::string& option : arguments_.missing)
-    console_.note(fmt::format("warning: {} has no effect yet: shaders see what they see without it\n", option));
   if (isTestshade_ && !arguments_.verbose) return;
   for (const std::string& option : arguments_.ignored)
     console_.note(fmt::format("note: {} means nothing here and is ignored\n", option));
@@ -87,8 +85,10 @@ std::optional<GridShader> ShadeRun::makeShader(bool isChanged) {
     group_ = std::move(*group);
   }
   const ShadeGroup& made = isChanged ? *group : *group_;
-  const std::vector<std::filesystem::path> here = {""};
-  auto shader = GridShader::create(*toolchain_, made.program, made.values, render::makeServices({here, 1024}));
+  folders.pop_back();
+  folders.insert(folders.begin(), "");
+  auto shader =
+      GridShader::create(*toolchain_, made.program, made.values, makeShadeHost(arguments_, std::move(folders), made));
   if (!shader) {
     report(shader.errors());
     return {};
@@ -224,7 +224,7 @@ ExitCode ShadeRun::run() {
     for (const Chosen& each : chosen) printed.push_back({each.label, each.index});
     printShadedValues(arguments_.grid, shaded, printed, console_);
   }
-  printShadedMessages(messages, *group_, console_);
+  console_.report(printShadedMessages(messages, *group_, console_));
   // Without an output asked for, testshade ends with an empty line.
   if (arguments_.outputs.empty() || (arguments_.outputs.size() == 1 && arguments_.outputs[0].file == "null"))
     console_.print("\n");

@@ -1,5 +1,6 @@
 #include "core/app/tools/shade_grid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -24,12 +25,30 @@ Transform<World, Object> turnedAndMoved(float angle, double x, double y) {
   return {forward, inverse};
 }
 
+struct Vec {
+  float x, y, z;
+};
+
+/// How u or v and the position change to the next point in x and in y.
+struct Steps {
+  float u, v;  ///< Of one cell of the grid.
+  Vec px, py;
+};
+
+Steps stepsOf(const ShadeGrid& grid) {
+  const auto intervals = [](int count) { return static_cast<float>(std::max(1, count - 1)); };
+  const float dx = grid.uScale / intervals(grid.width), dy = grid.vScale / intervals(grid.height);
+  Steps steps{dx, dy, {dx, 0, 0}, {0, dy, 0}};
+  if (grid.pixelCentres) {
+    steps.u = grid.uScale / static_cast<float>(grid.width);
+    steps.v = grid.vScale / static_cast<float>(grid.height);
+  }
+  return steps;
+}
+
 }  // namespace
 
 shading::ShadingPoint gridPoint(const ShadeGrid& grid, int x, int y) {
-  struct Vec {
-    float x, y, z;
-  };
   using lang::Global;
   shading::ShadingPoint point;
   const float u = grid.uScale * parameterAt(x, grid.width, grid.pixelCentres) + grid.uOffset;
@@ -41,16 +60,30 @@ shading::ShadingPoint gridPoint(const ShadeGrid& grid, int x, int y) {
   point.set(Global::Ng, Vec{0, 0, 1});
   point.set(Global::dPdu, Vec{1, 0, 0});
   point.set(Global::dPdv, Vec{0, 1, 0});
+  const Steps steps = stepsOf(grid);
+  point.set(Global::dudx, grid.varyDU ? 1 - u : steps.u);
+  point.set(Global::dudy, grid.varyDU ? u : 0);
+  point.set(Global::dvdx, grid.varyDV ? 1 - v : 0);
+  point.set(Global::dvdy, grid.varyDV ? v : steps.v);
+  point.set(Global::dPdx, grid.varyDP ? Vec{1 - u, 1 - v, u * 0.5f} : steps.px);
+  point.set(Global::dPdy, grid.varyDP ? Vec{1 - v, 1 - u, v * 0.5f} : steps.py);
   return point;
 }
 
 Transform<World, Object> gridObjectSpace() { return turnedAndMoved(std::numbers::pi_v<float> / 2, 0, 1); }
 Transform<World, Object> gridShaderSpace() { return turnedAndMoved(std::numbers::pi_v<float> / 4, 1, 0); }
 
-shading::NamedSpaces gridSpaces() {
+shading::NamedSpaces gridSpaces(const ShadeGrid& grid) {
   shading::NamedSpaces spaces;
   const Matrix4 identity = identityMatrix();
   spaces.add("camera", identity, identity);
+  const double depth = double{farClip} / (double{farClip} - double{nearClip});
+  shading::CameraProjection camera;
+  camera.toScreen = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, depth, -depth * double{nearClip}}, {0, 0, 1, 0}}};
+  camera.screenToNdc = {{{0.5, 0, 0, 0.5}, {0, 0.5, 0, 0.5}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+  camera.width = grid.width;
+  camera.height = grid.height;
+  spaces.addCamera(identity, camera);
   Matrix4 tall = identity, low = identity;
   tall[1][1] = 2;
   low[1][1] = 0.5;

@@ -15,7 +15,10 @@ Transform<World, Object> gridObjectSpace();
 /// "shader" to "common": an eighth of a turn about z, then one unit along x.
 Transform<World, Object> gridShaderSpace();
 
-/// "camera" is "common"; "myspace" is twice as high as "common".
-shading::NamedSpaces gridSpaces();
+/// Clip planes of the camera, whose angle of view is 90 degrees.
+inline constexpr float nearClip = 0.1f, farClip = 1000;
+
+/// "camera" is "common"; "screen", "NDC" and "raster" are those of the camera; "myspace" is twice as high as "common".
+shading::NamedSpaces gridSpaces(const ShadeGrid& grid);
 
 }  // namespace aerosol::app

@@ -12,6 +12,7 @@
 #include "core/app/tools/group_text.h"
 #include "core/app/tools/shader_files.h"
 #include "core/lang/group.h"
+#include "core/lang/user_data.h"
 
 namespace aerosol::app {
 
@@ -46,12 +47,17 @@ class Compiler {
 
   Result<std::shared_ptr<const lang::Program>> compile(const ShadeLayer& layer, Diagnostics& warnings) {
     auto& known = compiled_[layer.shader];
-    if (known) return known;
-    auto source = layer.expression.empty() ? compileFile(layer.shader)
-                                           : lang::compileString(layer.expression, layer.shader, options_);
-    if (!source) return source.errors();
-    warnings.append(source->warnings);
-    return known = source->layer;
+    if (!known) {
+      auto source = layer.expression.empty() ? compileFile(layer.shader)
+                                             : lang::compileString(layer.expression, layer.shader, options_);
+      if (!source) return source.errors();
+      warnings.append(source->warnings);
+      known = source->layer;
+    }
+    std::shared_ptr<const lang::Program> program = known;
+    for (const NamedValue& value : layer.values)
+      if (value.interpolated) program = std::make_shared<lang::Program>(lang::bindUserData(*program, value.name));
+    return program;
   }
 
  private:
@@ -144,6 +150,7 @@ Result<ShadeGroup> buildShadeGroup(const ShadeArguments& arguments, const std::v
   }
   lang::GroupOptions groupOptions;
   groupOptions.exactTypes = true;
+  groupOptions.userDataIsConnected = arguments.userDataIsConnected;
   const auto resolved = lang::resolve(describe(group, arguments), groupOptions);
   if (!resolved) return resolved.errors();
   group.warnings.append(resolved->warnings);

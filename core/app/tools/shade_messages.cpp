@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <set>
+
+#include "core/app/shader_report.h"
 
 namespace aerosol::app {
 
@@ -22,6 +25,8 @@ std::string textOf(const ShadedMessage& message, const ShadeGroup& group) {
                          message.text, length - 1, message.location.file, message.location.line, group.name, number,
                          layer.name, layer.shader);
     }
+    case AEROSOL_REPORT_SPACE:
+      return fmt::format("ERROR: Unknown transformation \"{}\"", message.text);
     case AEROSOL_REPORT_HOST:
       return fmt::format("ERROR: {}", message.text);
     default:
@@ -31,11 +36,17 @@ std::string textOf(const ShadedMessage& message, const ShadeGroup& group) {
 
 }  // namespace
 
-void printShadedMessages(const std::vector<ShadedMessage>& messages, const ShadeGroup& group, const Console& console) {
+Diagnostics printShadedMessages(const std::vector<ShadedMessage>& messages, const ShadeGroup& group,
+                                const Console& console) {
   std::set<std::string> said;
+  std::map<std::string, std::string> files;
   for (const ShadedMessage& message : messages) {
     if (message.kind == AEROSOL_MESSAGE_PRINT) {
       console.print(message.text);
+      continue;
+    }
+    if (message.kind == AEROSOL_MESSAGE_FILE) {
+      files[message.file] += message.text;
       continue;
     }
     const std::string text = textOf(message, group);
@@ -43,6 +54,7 @@ void printShadedMessages(const std::vector<ShadedMessage>& messages, const Shade
     std::fflush(console.out);
     console.note(text + "\n");
   }
+  return appendToFiles(files);
 }
 
 }  // namespace aerosol::app

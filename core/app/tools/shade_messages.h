@@ -10,7 +10,8 @@
 namespace aerosol::app {
 
 /// Printed text goes to the output stream; warnings and errors, each different one once, to the error stream. Both stay
-/// in order where the streams end in one place.
-void printShadedMessages(const std::vector<ShadedMessage>& messages, const ShadeGroup& group, const Console& console);
+/// in order where the streams end in one place. What goes to files is added to their ends; gives what went wrong.
+Diagnostics printShadedMessages(const std::vector<ShadedMessage>& messages, const ShadeGroup& group,
+                                const Console& console);
 
 }  // namespace aerosol::app

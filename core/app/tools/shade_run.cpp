@@ -32,15 +32,16 @@ struct GridShader::Block {
   shading::PointArrays& points;
   shading::Batch& batch;
   shading::KernelHost& host;
+  GridFacts& facts;
   int first = 0, count = 0;
   std::vector<ShadedMessage> messages;
 };
 
 Result<GridShader> GridShader::create(const Toolchain& toolchain, std::shared_ptr<const lang::Program> program,
                                       std::vector<shading::ParameterValue> values,
-                                      std::shared_ptr<shading::Services> services) {
+                                      std::shared_ptr<const ShadeHost> host) {
   GridShader shader;
-  shader.services_ = std::move(services);
+  shader.host_ = std::move(host);
   shading::Instance instance;
   instance.values = std::move(values);
   instance.objectToWorld = gridObjectSpace();
@@ -78,6 +79,7 @@ void GridShader::shadeBlock(const ShadeGrid& grid, Block& block, Shaded& shaded)
   block.points.shrink(0);
   for (int point = block.first; point < block.first + block.count; ++point)
     block.points.push(gridPoint(grid, point % grid.width, point / grid.width), 0);
+  block.facts.begin(block.first);
   block.batch.run(block.host, block.points, 0);
 
   const jit::KernelInterface& interface = block.batch.interface();
@@ -112,10 +114,17 @@ void GridShader::shadeBlock(const ShadeGrid& grid, Block& block, Shaded& shaded)
   std::ranges::sort(order);
   for (const auto& [lane, i] : order) {
     shading::Record& record = records[i];
-    const bool isIndex = record.kind == AEROSOL_REPORT_INDEX;
-    std::string text = isIndex ? interface.sites[record.site].format : shading::describe(record, interface, textOf);
-    block.messages.push_back(
-        {record.kind, shading::locationOf(record, interface), std::move(text), std::move(record.values)});
+    std::string text, file;
+    if (record.kind == AEROSOL_REPORT_INDEX) {
+      text = interface.sites[record.site].format;
+    } else if (record.kind == AEROSOL_REPORT_SPACE) {
+      text = textOf(record.values.at(0).s);
+    } else {
+      text = shading::describe(record, interface, textOf);
+    }
+    if (record.kind == AEROSOL_MESSAGE_FILE) file = shading::fileOf(record, textOf);
+    block.messages.push_back({record.kind, shading::locationOf(record, interface), std::move(text),
+                              std::move(record.values), std::move(file)});
   }
 }
 
@@ -124,15 +133,18 @@ Shaded GridShader::run(const ShadeGrid& grid, int threads) const {
   const int points = grid.width * grid.height;
   const int blocks = (points + blockPoints - 1) / blockPoints;
   std::vector<std::vector<ShadedMessage>> messages(static_cast<std::size_t>(blocks));
-  const shading::NamedSpaces spaces = gridSpaces();
+  const shading::NamedSpaces spaces = gridSpaces(grid);
   std::atomic<int> next{0};
   const auto work = [&] {
     shading::Batch batch(std::min(points, blockPoints));
     shading::PointArrays arrays;
     arrays.bind(family(), shading::Variant::outputs);
-    shading::KernelHost host(spaces, loopBudget, services_.get());
+    shading::KernelHost host(spaces, loopBudget, host_->services.get());
+    GridFacts facts(grid, *host_);
+    host.calls().setAttributes(&host_->attributes);
+    host.calls().setFacts(&facts);
     for (int i = next++; i < blocks; i = next++) {
-      Block block{arrays, batch, host, i * blockPoints, std::min(blockPoints, points - i * blockPoints), {}};
+      Block block{arrays, batch, host, facts, i * blockPoints, std::min(blockPoints, points - i * blockPoints), {}};
       shadeBlock(grid, block, shaded);
       messages[static_cast<std::size_t>(i)] = std::move(block.messages);
     }

@@ -8,8 +8,8 @@
 
 #include "core/app/toolchain.h"
 #include "core/app/tools/shade_arguments.h"
+#include "core/app/tools/shade_host.h"
 #include "core/base/result.h"
-#include "core/shading/services.h"
 #include "core/shading/shading_system.h"
 
 namespace aerosol::app {
@@ -28,6 +28,7 @@ struct ShadedMessage {
   SourceLocation location;
   std::string text;
   std::vector<AerosolRecordValue> values;  ///< Of reports: see abi.h.
+  std::string file;                        ///< Where the text goes, of fprintf.
 };
 
 struct Shaded {
@@ -37,10 +38,9 @@ struct Shaded {
 
 class GridShader {
  public:
-  /// Compiles the program with the parameters given; `services` answers for files.
+  /// Compiles the program with the parameters given; `host` answers what shaders ask.
   static Result<GridShader> create(const Toolchain& toolchain, std::shared_ptr<const lang::Program> program,
-                                   std::vector<shading::ParameterValue> values,
-                                   std::shared_ptr<shading::Services> services);
+                                   std::vector<shading::ParameterValue> values, std::shared_ptr<const ShadeHost> host);
 
   /// `threads` 0: one a processor. The result does not depend on it.
   Shaded run(const ShadeGrid& grid, int threads) const;
@@ -55,7 +55,7 @@ class GridShader {
   void shadeBlock(const ShadeGrid& grid, Block& block, Shaded& shaded) const;
 
   shading::ShadingSystem system_;
-  std::shared_ptr<shading::Services> services_;
+  std::shared_ptr<const ShadeHost> host_;
 };
 
 }  // namespace aerosol::app

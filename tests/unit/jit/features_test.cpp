@@ -184,7 +184,7 @@ TEST(Spaces, comeFromTheInstance) {
 
 TEST(Spaces, comeFromTheHostByName) {
   HostSpaces spaces;
-  spaces[hashString("camera")] = {3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0};
+  spaces[hashString("camera")] = {3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1};
   for (const int width : widths) {
     KernelRequest request = requestFor(transformOf("camera", "common"), width);
     const Kernel kernel = compileOrFail(request);

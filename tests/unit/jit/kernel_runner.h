@@ -53,7 +53,7 @@ struct Outcome {
 inline constexpr std::uint64_t untouched = 0x7badbadb;
 
 /// Matrices that the host gives for space names, by hash.
-using HostSpaces = std::map<std::uint64_t, std::array<float, 12>>;
+using HostSpaces = std::map<std::uint64_t, std::array<float, 16>>;
 
 /// Answers calls of host functions. None by default: kernels that call some need one.
 class HostAnswers {

@@ -176,7 +176,7 @@ TEST(Closures, ParametersAreRead) {
   EXPECT_EQ(parameters[1].name, "transmission_depth");
   EXPECT_TRUE(parameters[1].type == types::floating);
   EXPECT_TRUE(parameters[5].type == types::integer);
-  EXPECT_EQ(findClosures("microfacet").size(), 2u);
+  EXPECT_EQ(findClosures("microfacet").size(), 1u);
   EXPECT_TRUE(findClosures("nothing").empty());
 }
 
