@@ -142,9 +142,9 @@ class Lowering {
     Value matrix;
     Number known;
   };
-  SpaceMatrix spaceMatrix(lang::VariableId space, bool toWorld, std::uint32_t location);
+  SpaceMatrix spaceMatrix(lang::VariableId space, bool toWorld, const lang::Instruction& instruction);
   SpaceMatrix headerMatrix(unsigned first);
-  SpaceMatrix hostMatrix(const Number& space, bool toWorld, std::uint32_t location);
+  SpaceMatrix hostMatrix(const Number& space, bool toWorld, const lang::Instruction& instruction);
   Value fromRows(llvm::ArrayRef<Number> rows);
 
   // lowering_messages.cpp

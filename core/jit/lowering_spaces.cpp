@@ -30,17 +30,17 @@ Lowering::SpaceMatrix Lowering::headerMatrix(unsigned first) {
   return {fromRows(rows), integer(1)};
 }
 
-Lowering::SpaceMatrix Lowering::spaceMatrix(lang::VariableId space, bool toWorld, std::uint32_t location) {
+Lowering::SpaceMatrix Lowering::spaceMatrix(lang::VariableId space, bool toWorld, const Instruction& instruction) {
   const std::optional<std::string> name = constantName(program_, space);
   const std::optional<Space> known = name ? findSpace(*name) : std::nullopt;
-  if (!known) return hostMatrix(number(space), toWorld, location);
+  if (!known) return hostMatrix(number(space), toWorld, instruction);
   if (*known == Space::common) return {{}, integer(1)};
   // In the order of AerosolInstanceHeader.
   return headerMatrix((*known == Space::object ? 0 : 2 * rowNumbers) + (toWorld ? 0 : rowNumbers));
 }
 
 /// Asks the host for each active lane.
-Lowering::SpaceMatrix Lowering::hostMatrix(const Number& space, bool toWorld, std::uint32_t location) {
+Lowering::SpaceMatrix Lowering::hostMatrix(const Number& space, bool toWorld, const Instruction& instruction) {
   if (domain_.splitsMasks()) {
     // Time is a range here, and no rule bounds what the host would answer.
     return {fromRows(Value(hostNumbers, domain_.anything(Kind::floating))), domain_.anything(Kind::integer)};
@@ -101,14 +101,17 @@ Lowering::SpaceMatrix Lowering::hostMatrix(const Number& space, bool toWorld, st
   e_.ir.SetInsertPoint(end);
   const Number isKnown = unary(Op::toBool, domain_.load(Kind::integer, true, found));
   const Condition isSure = domain_.condition(domain_.varying(isKnown));
-  report(AEROSOL_REPORT_SPACE, location, {}, {lang::types::string}, {space}, e_.without(mask().may, isSure.must));
+  if (!instruction.quiet) {
+    report(AEROSOL_REPORT_SPACE, instruction.location, {}, {lang::types::string}, {space},
+           e_.without(mask().may, isSure.must));
+  }
   return {fromRows(loadValue(rows, floats, true)), isKnown};
 }
 
 /// int getmatrix(string from, string to, output matrix m): m is left alone where a space is unknown.
 void Lowering::emitMatrixOfSpaces(const Instruction& instruction) {
-  const SpaceMatrix from = spaceMatrix(instruction.arguments[0], true, instruction.location);
-  const SpaceMatrix to = spaceMatrix(instruction.arguments[1], false, instruction.location);
+  const SpaceMatrix from = spaceMatrix(instruction.arguments[0], true, instruction);
+  const SpaceMatrix to = spaceMatrix(instruction.arguments[1], false, instruction);
   const lang::VariableId target = instruction.arguments[2];
   Value matrix;
   if (from.matrix.empty() && to.matrix.empty()) {

@@ -36,6 +36,7 @@ VariableId Lowerer::spaceMatrix(VariableId from, VariableId to) {
     assign(matrix, constant(*convertConstant(Constant::ofFloat(1), types::matrix)));
   }
   call("getmatrix", types::integer, {from, to, matrix}, 1u << 2);
+  if (!code_->empty()) code_->back().quiet = namesMayBeUnits_;
   return matrix;
 }
 
@@ -112,6 +113,7 @@ Value Lowerer::lowerTransformUnits(const Expression& expression, const Call& cal
 /// leaves the length as it is. (Here the two kinds of units are not told apart.)
 Value Lowerer::lowerRunTimeUnits(const std::vector<Value>& arguments, Position position) {
   position_ = position;
+  namesMayBeUnits_ = true;
   const VariableId common = constantString("common");
   const VariableId from = arguments.size() == 3 ? arguments[0].single() : common;
   const VariableId to = arguments[arguments.size() - 2].single();
@@ -123,6 +125,7 @@ Value Lowerer::lowerRunTimeUnits(const std::vector<Value>& arguments, Position p
   for (const VariableId factor :
        {lengthOfAxis(from, common), callHost("unitratio", types::floating, {from, to}, {}), lengthOfAxis(common, to)})
     value = emit(Op::multiply, types::floating, {value, factor});
+  namesMayBeUnits_ = false;
   return {types::floating, {value}};
 }
 

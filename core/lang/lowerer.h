@@ -237,6 +237,7 @@ class Lowerer {
   std::uint32_t scopeCount_ = 0, layeringCount_ = 0;
   int loopDepth_ = 0, nesting_ = 0, depth_ = 0;
   std::unordered_set<Position> reported_;  ///< Where there is an error already.
+  bool namesMayBeUnits_ = false;           ///< Of spaces: those that there are not are no mistake.
   bool inBody_ = false;                    ///< Otherwise in the default values of parameters.
   bool failed_ = false;
 };

@@ -142,6 +142,7 @@ struct Instruction {
   Op op{};
   bool testsLast = false;
   bool quiet = false;  ///< Indices out of range are clamped without a report: another instruction has reported them.
+                       ///< Of calls of getmatrix: spaces that there are not are no mistake.
   VariableId result = noVariable;
   std::uint32_t location = 0;  ///< Index into `Program::locations`.
   std::uint32_t scopeId = 0;

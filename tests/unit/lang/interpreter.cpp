@@ -385,7 +385,7 @@ class Interpreter {
       const auto found = inputs_.toCommon.find(name);
       if (found != inputs_.toCommon.end()) return Floats(found->second.begin(), found->second.end());
       if (name == "object" || name == "shader") return identity;
-      result_.messages.push_back("space: " + name);
+      if (!i.quiet) result_.messages.push_back("space: " + name);
       return std::nullopt;
     };
     const auto from = toCommon(i.arguments[0]), to = toCommon(i.arguments[1]);
