@@ -51,6 +51,7 @@ struct SurfaceHit {
   std::uint32_t primitive = 0;    ///< The triangle of a mesh; 0 for spheres and disks.
   bool passThrough = false;       ///< As the surface was added.
   bool entering = false;          ///< The ray comes from the side that `geometricNormal` points to.
+  bool hasCompany = false;        ///< Another face may be as near as rounding of floats.
   Point<World> point;             ///< Within half an ulp per coordinate of the surface.
   Normal<World> geometricNormal;  ///< Unit; points outwards as the surface's winding says, not towards the ray.
   Normal<World> shadingNormal;    ///< Unit; on the geometric normal's side.

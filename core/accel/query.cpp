@@ -90,7 +90,12 @@ class Query {
 
   /// Whether the hit is now the best one.
   bool offer(const HitKey& key) {
-    if (!isInRange(key) || (hasBest_ && !(key < best_))) return false;
+    if (!isInRange(key)) return false;
+    if (hasBest_ && !(key < best_)) {
+      nextT_ = std::fmin(nextT_, key.t);
+      return false;
+    }
+    if (hasBest_) nextT_ = std::fmin(nextT_, best_.t);
     best_ = key;
     hasBest_ = true;
     return true;
@@ -118,8 +123,10 @@ class Query {
   std::optional<SurfaceHit> hit() const {
     if (!hasBest_) return {};
     const Surface& surface = scene_.surfaces[best_.object];
-    if (surface.mesh) return describeHit(*surface.mesh, best_.primitive, exact_, best_.t);
-    return describeHit(*surface.analytic, exact_, best_.t);
+    SurfaceHit hit = surface.mesh ? describeHit(*surface.mesh, best_.primitive, exact_, best_.t)
+                                  : describeHit(*surface.analytic, exact_, best_.t);
+    hit.hasCompany = nextT_ - best_.t <= slack_;
+    return hit;
   }
 
  private:
@@ -181,6 +188,7 @@ class Query {
   }
 
   void recordUnbounded() {
+    if (scene_.overlap == OverlapDesign::partition) return;
     for (const VolumeId volume : scene_.unbounded) record(volume);
   }
 
@@ -202,6 +210,7 @@ class Query {
   double begin_, end_;
   double slack_ = 0, edgeSlack_ = 0;
   HitKey best_;
+  double nextT_ = std::numeric_limits<double>::infinity();  ///< Of the nearest hit offered but for the best one.
   bool hasBest_ = false;
   SpanBuffer& spans_;
   InterfaceBuffer* interfaces_ = nullptr;
@@ -308,7 +317,7 @@ Counters& Counters::operator+=(const Counters& other) {
   return *this;
 }
 
-Scene::Scene(std::unique_ptr<const SceneData> data) : data_(std::move(data)) {}
+Scene::Scene(std::unique_ptr<SceneData> data) : data_(std::move(data)) {}
 Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
@@ -320,7 +329,25 @@ const TriangleMesh* Scene::mesh(ObjectId object) const {
   const auto& mesh = data_->surfaces[object].mesh;
   return mesh ? &mesh->mesh : nullptr;
 }
+Box<World> Scene::surfaceBounds(ObjectId object) const {
+  const Surface& surface = data_->surfaces[object];
+  if (surface.analytic) return surface.analytic->worldBounds();
+  Box<World> box;
+  for (const auto& triangle : surface.mesh->mesh.triangles) {
+    for (const std::uint32_t corner : triangle) box.extend(surface.mesh->mesh.positions[corner]);
+  }
+  return box;
+}
 const VolumeShape& Scene::volume(VolumeId volume) const { return *data_->volumes[volume]; }
 const std::string& Scene::isa() const { return data_->isa; }
+OverlapDesign Scene::overlapDesign() const { return data_->overlap; }
+const PartitionStatistics& Scene::partitionStatistics() const { return data_->partition.statistics(); }
+
+void Scene::refinePartition(std::span<const Box<World>> occupied, const EmptinessTest& isEmpty) {
+  if (data_->overlap != OverlapDesign::partition) return;
+  std::vector<PartitionItem> items;
+  for (const VolumeId volume : data_->bounded) items.push_back({volume, occupied[volume]});
+  data_->partition = VolumePartition(items, isEmpty);
+}
 
 }  // namespace aerosol::accel

@@ -3,11 +3,13 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "core/accel/convex_volume.h"
 #include "core/accel/hit.h"
 #include "core/accel/mesh.h"
+#include "core/accel/volume_partition.h"
 #include "core/accel/volume_shape.h"
 #include "core/base/phase.h"
 #include "core/base/result.h"
@@ -27,11 +29,22 @@ struct Counters {
   Counters& operator+=(const Counters& other);
 };
 
+/// How the volume primitives along a ray are found (see SpanStream).
+enum class OverlapDesign : std::uint8_t {
+  split,     ///< All by the ray's query; sorted.
+  partition  ///< By walking a partition of space.
+};
+
 struct SceneOptions {
   /// The instruction set for intersections: sse2, sse4.2, avx, avx2, avx512; empty: the best of this machine. Hits may
   /// differ in the last bit between two of them.
   std::string embreeIsa;
+  OverlapDesign overlap = OverlapDesign::split;
 };
+
+/// The design that measurements speak for (tests/bench/overlap_bench.cpp): the partition where a line through all
+/// volumes meets many of them. Decided by their bounds alone, so that it is the same everywhere.
+OverlapDesign chooseOverlapDesign(std::span<const Box<World>> volumes);
 
 struct SceneData;
 
@@ -39,7 +52,7 @@ struct SceneData;
 /// is not zero, and 0 <= tMin (a negative one counts as 0); other rays hit nothing and are counted.
 class Scene {
  public:
-  explicit Scene(std::unique_ptr<const SceneData> data);
+  explicit Scene(std::unique_ptr<SceneData> data);
   ~Scene();
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;
@@ -49,13 +62,15 @@ class Scene {
   /// tMin.
   ///
   /// With `after`, the key of an earlier hit of the same ray: the next hit in the order of HitKey, and the spans from
-  /// there on. That is how to go on behind a pass-through surface: no hit is lost or found twice, coincident or not. A
-  /// crossing at an edge that triangles share, or of doubled faces, is one hit.
+  /// there on. No spans where volumes are partitioned: a SpanStream finds them. That is how to go on behind a
+  /// pass-through surface: no hit is lost or found twice, coincident or not. A crossing at an edge that triangles
+  /// share, or of doubled faces, is one hit.
   std::optional<SurfaceHit> closestHit(const Ray<World>& ray, SpanBuffer& spans, Counters& counters,
                                        const HitKey* after = nullptr) const;
 
   /// Whether an opaque surface has tMin < t < tMax. If not, `spans` holds all volume spans in [tMin, tMax], sorted by
-  /// (t0, volume), and `interfaces` all hits of pass-through surfaces in the order of HitKey; if so, both are empty.
+  /// (t0, volume) (none where they are partitioned), and `interfaces` all hits of pass-through surfaces in the order of
+  /// HitKey; if so, both are empty.
   bool occluded(const Ray<World>& ray, SpanBuffer& spans, InterfaceBuffer& interfaces, Counters& counters) const;
 
   /// Bounds of every surface and of every finite volume.
@@ -64,12 +79,21 @@ class Scene {
   VolumeId volumeCount() const;
   /// The mesh of an object with its normals resolved; null for spheres and disks.
   const TriangleMesh* mesh(ObjectId object) const;
+  Box<World> surfaceBounds(ObjectId object) const;
   const VolumeShape& volume(VolumeId volume) const;
+  OverlapDesign overlapDesign() const;
+  /// Of the partition; all 0 without one.
+  const PartitionStatistics& partitionStatistics() const;
+  /// Where volumes are partitioned: does so again, with what is known of their content. `occupied` gives by volume a
+  /// box outside of which there is nothing of it. Before the first ray.
+  void refinePartition(std::span<const Box<World>> occupied, const EmptinessTest& isEmpty);
   /// The instruction set in use, as in SceneOptions.
   const std::string& isa() const;
 
+  const SceneData& data() const { return *data_; }  ///< Internal to this folder.
+
  private:
-  std::unique_ptr<const SceneData> data_;
+  std::unique_ptr<SceneData> data_;
 };
 
 /// Collects primitives. What is wrong with one is an error without a location: the caller knows where it came from.
@@ -88,6 +112,9 @@ class SceneBuilder {
   /// The unit disk in the xy plane, facing +z.
   Result<ObjectId> addDisk(const Transform<World, Object>& toWorld, bool passThrough = false, bool flipNormals = false);
   Result<VolumeId> addVolume(std::unique_ptr<const VolumeShape> volume);
+
+  /// What `chooseOverlapDesign` says of the volumes added so far.
+  OverlapDesign preferredOverlapDesign() const;
 
   /// Builds the acceleration structure on all cores; the builder is empty afterwards.
   Result<Scene> build(const SceneOptions& options = {});

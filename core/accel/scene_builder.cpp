@@ -9,6 +9,11 @@ namespace {
 /// Embree takes coordinates up to 1.8e18; volumes beyond that are treated as infinite.
 constexpr float largestCoordinate = 1e18f;
 
+/// Volumes met by a random line above which the partition is the faster design. Measured: a path that scatters in the
+/// first segment takes half the time from about 20 overlapping elements on, one that goes through all of them the same;
+/// with few of many elements under a ray the query's own hierarchy is up to twice as fast.
+constexpr double partitionedOverlap = 16;
+
 Diagnostic makeError(std::string message, std::vector<std::string> notes = {}) {
   return {Severity::error, {}, std::move(message), {}, std::move(notes)};
 }
@@ -39,14 +44,8 @@ bool isBounded(const Box<World>& box) {
 /// Traversal is in float and may miss a box that is touched exactly, or a flat one; user geometry decides in double
 /// whatever box it is given, so boxes are enlarged a little.
 RTCBounds paddedBounds(const Box<World>& box) {
-  float lower[3], upper[3];
-  for (int i = 0; i < 3; ++i) {
-    const float magnitude = std::max({std::fabs(box.lower[i]), std::fabs(box.upper[i]), 1e-30f});
-    const float pad = 1e-6f * magnitude;
-    lower[i] = box.lower[i] - pad;
-    upper[i] = box.upper[i] + pad;
-  }
-  return {lower[0], lower[1], lower[2], 0, upper[0], upper[1], upper[2], 0};
+  const Box<World> larger = withMargin(box);
+  return {larger.lower.x, larger.lower.y, larger.lower.z, 0, larger.upper.x, larger.upper.y, larger.upper.z, 0};
 }
 
 void analyticBounds(const RTCBoundsFunctionArguments* arguments) {
@@ -156,6 +155,13 @@ Result<std::string> chooseIsa(const std::string& wanted) {
 
 }  // namespace
 
+OverlapDesign chooseOverlapDesign(std::span<const Box<World>> volumes) {
+  std::vector<Box<World>> finite;
+  std::ranges::copy_if(volumes, std::back_inserter(finite),
+                       [](const Box<World>& box) { return !box.isEmpty() && isBounded(box); });
+  return expectedOverlap(finite) > partitionedOverlap ? OverlapDesign::partition : OverlapDesign::split;
+}
+
 SceneBuilder::SceneBuilder() : data_(std::make_unique<SceneData>()) {}
 SceneBuilder::~SceneBuilder() = default;
 SceneBuilder::SceneBuilder(SceneBuilder&&) noexcept = default;
@@ -200,6 +206,12 @@ Result<VolumeId> SceneBuilder::addVolume(std::unique_ptr<const VolumeShape> volu
   return static_cast<VolumeId>(data_->volumes.size() - 1);
 }
 
+OverlapDesign SceneBuilder::preferredOverlapDesign() const {
+  std::vector<Box<World>> boxes;
+  for (const auto& volume : data_->volumes) boxes.push_back(volume->worldBounds());
+  return chooseOverlapDesign(boxes);
+}
+
 Result<Scene> SceneBuilder::build(const SceneOptions& options) {
   auto isa = chooseIsa(options.embreeIsa);
   if (!isa) return isa.errors();
@@ -207,6 +219,9 @@ Result<Scene> SceneBuilder::build(const SceneOptions& options) {
   data_ = std::make_unique<SceneData>();
   data->isa = *isa;
   indexPrimitives(*data);
+  std::vector<Box<World>> boxes;
+  for (const auto& volume : data->volumes) boxes.push_back(volume->worldBounds());
+  data->overlap = options.overlap;
 
   data->device = rtcNewDevice(("isa=" + data->isa).c_str());
   if (!data->device) return makeError("Embree cannot be started");
@@ -216,12 +231,16 @@ Result<Scene> SceneBuilder::build(const SceneOptions& options) {
     if (surface.mesh) attachMesh(*data, *surface.mesh);
   }
   attachUser(*data, data->analytic.size(), analyticBounds, intersectAnalytic, occludeAnalytic);
-  attachUser(*data, data->bounded.size(), volumeBounds, recordVolume, recordShadowVolume);
+  if (data->overlap == OverlapDesign::split) {
+    attachUser(*data, data->bounded.size(), volumeBounds, recordVolume, recordShadowVolume);
+  }
   rtcCommitScene(data->scene);
   if (rtcGetDeviceError(data->device) != RTC_ERROR_NONE) {
     return makeError("Embree cannot build the acceleration structure: out of memory, or too many primitives");
   }
-  return Scene(std::move(data));
+  Scene scene(std::move(data));
+  scene.refinePartition(boxes, nullptr);
+  return scene;
 }
 
 std::string version() { return RTC_VERSION_STRING; }

@@ -33,6 +33,8 @@ struct SceneData {
   std::vector<const AnalyticSurface*> analytic;  ///< By primitive of Embree's geometry for them.
   std::vector<VolumeId> bounded;                 ///< By primitive of Embree's geometry for volumes.
   std::vector<VolumeId> unbounded;               ///< Volumes tested against every ray.
+  OverlapDesign overlap = OverlapDesign::split;
+  VolumePartition partition;  ///< Of the bounded volumes, where that is the design.
   Box<World> bounds;
   std::string isa;
   RTCDevice device = nullptr;

@@ -58,12 +58,24 @@ void addTrackers(Table& table, const render::WorkerStatistics& s) {
     table.row("worst excess", fmt::format("{:.4g} times the bound", s.trackers.worstViolation));
   }
   if (s.media.rejectedHits > 0) table.row("hidden surfaces", formatCount(s.media.rejectedHits, "hit"));
+  if (s.media.coincidentFaces > 0) table.row("coincident faces", formatCount(s.media.coincidentFaces, "crossing"));
   if (s.media.exitsWithoutEntry + s.media.repeatedEntries > 0) {
     table.row("open surfaces",
               fmt::format("{} without entry, {} that enter twice", formatCount(s.media.exitsWithoutEntry, "exit"),
                           formatCount(s.media.repeatedEntries, "hit")));
   }
   if (s.invalidCoefficients > 0) table.row("invalid results", formatCount(s.invalidCoefficients));
+}
+
+/// How overlapping volume primitives are found, where that is not the simple way.
+void addOverlap(Table& table, const render::PreparedScene& scene) {
+  if (scene.geometry->overlapDesign() != accel::OverlapDesign::partition) return;
+  const accel::PartitionStatistics& s = scene.geometry->partitionStatistics();
+  table.row("partition",
+            fmt::format("{} volumes in {}, {} entries, {} of them left out as empty, at most {} in one, {}B",
+                        formatCount(scene.geometry->volumeCount()), formatCount(s.regions, "region"),
+                        formatCount(s.references + s.emptied), formatCount(s.emptied), formatCount(s.largestRegion),
+                        formatShort(number(s.bytes))));
 }
 
 /// The trees of bounds of all media, added up; shares are means over the trees.
@@ -129,6 +141,7 @@ std::string formatStatistics(const render::PreparedScene& scene, const render::R
                                 formatCount(s.accel.occlusionQueries)));
   if (s.accel.invalidRays > 0) table.row("invalid rays", formatCount(s.accel.invalidRays));
   if (s.accel.openVolumes > 0) table.row("rays through open volume meshes", formatCount(s.accel.openVolumes));
+  addOverlap(table, scene);
   addBounds(table, scene);
   addKernelCalls(table, s, report.seconds * threads);
   addTrackers(table, s);

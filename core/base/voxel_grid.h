@@ -45,6 +45,11 @@ struct VoxelRange {
   bool hasNan = false;
 };
 
+/// Voxels from `least` to `greatest`, both included.
+struct VoxelBox {
+  std::array<std::int32_t, 3> least{}, greatest{};
+};
+
 /// Safe to use from any thread. Results depend on the arguments alone.
 class VoxelGrid {
  public:
@@ -59,6 +64,9 @@ class VoxelGrid {
   /// What `sample` can give in a box of the file's space.
   virtual VoxelRange range(VoxelInterpolation interpolation, const std::array<double, 3>& lower,
                            const std::array<double, 3>& upper, int channel) const = 0;
+
+  /// Boxes that together hold all active voxels: one a leaf of the tree, as tight as it gets, and one an active tile.
+  virtual std::vector<VoxelBox> activeBoxes() const = 0;
 };
 
 /// The grids of one file, in its order.

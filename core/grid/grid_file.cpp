@@ -31,7 +31,7 @@ bool isGridFile(std::string_view path) {
   std::string extension = std::filesystem::path(path).extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  return extension == ".vdb";
+  return extension == ".vdb" || extension == ".vol";
 }
 
 Result<std::shared_ptr<const VoxelFile>> readGrids(const std::string& path) {

@@ -59,7 +59,8 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   const float weight = light->isDelta ? 1.0f : balance(pdf, vertex.pdf(light->direction));
   phase.reset();
   const Color transmittance =
-      co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction));
+      co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
+                                     vertex.mediaTowards(light->direction));
   co_return scattered* transmittance*(weight / pdf);
 }
 

@@ -25,6 +25,8 @@ class ScatteringVertex {
   virtual Point<World> originTowards(Vector<World> direction) const = 0;
   /// The surface-defined medium that such a ray starts in; null in empty space.
   virtual const volume::Medium* mediumTowards(Vector<World> direction) const = 0;
+  /// All that are around where such a ray starts, where media nest.
+  virtual const volume::MediumStack& mediaTowards(Vector<World> direction) const = 0;
   /// Phase function, or closures times |cos|; without delta parts.
   virtual Color evaluate(Vector<World> direction) const = 0;
   /// Per steradian, with which the path goes on in `direction`.
@@ -33,14 +35,20 @@ class ScatteringVertex {
 
 class MediumVertex final : public ScatteringVertex {
  public:
-  /// `boundaryMedium` is the surface-defined medium around the vertex.
+  /// `boundaryMedium` is the surface-defined medium around the vertex, the one of `media` that rules.
   MediumVertex(const volume::PhaseFunction& phase, Point<World> position, Vector<World> before, float anisotropy,
-               const volume::Medium* boundaryMedium)
-      : phase_(phase), position_(position), before_(before), parameters_{anisotropy}, boundaryMedium_(boundaryMedium) {}
+               const volume::Medium* boundaryMedium, const volume::MediumStack& media)
+      : phase_(phase),
+        position_(position),
+        before_(before),
+        parameters_{anisotropy},
+        boundaryMedium_(boundaryMedium),
+        media_(media) {}
 
   Point<World> position() const override { return position_; }
   Point<World> originTowards(Vector<World>) const override { return position_; }
   const volume::Medium* mediumTowards(Vector<World>) const override { return boundaryMedium_; }
+  const volume::MediumStack& mediaTowards(Vector<World>) const override { return media_; }
   Color evaluate(Vector<World> direction) const override {
     return Color(phase_.evaluate(parameters_, before_, direction));
   }
@@ -53,27 +61,36 @@ class MediumVertex final : public ScatteringVertex {
   Vector<World> before_;
   std::array<float, 1> parameters_;
   const volume::Medium* boundaryMedium_;
+  const volume::MediumStack& media_;
 };
 
 class SurfaceVertex final : public ScatteringVertex {
  public:
-  /// All outlive the vertex. `near` is the medium on the side that the ray came from, `far` the one behind.
-  SurfaceVertex(const accel::SurfaceHit& hit, const ClosureMix& closures, const volume::Medium* near,
-                const volume::Medium* far)
+  /// What lies on one side.
+  struct Side {
+    const volume::Medium* medium = nullptr;  ///< The surface-defined one.
+    const volume::MediumStack& media;        ///< All of them, where media nest.
+  };
+
+  /// All outlive the vertex. `near` is the side that the ray came from, `far` the one behind.
+  SurfaceVertex(const accel::SurfaceHit& hit, const ClosureMix& closures, const Side& near, const Side& far)
       : hit_(hit), closures_(closures), near_(near), far_(far) {}
 
   Point<World> position() const override { return hit_.point; }
   Point<World> originTowards(Vector<World> direction) const override { return hit_.originTowards(direction); }
-  const volume::Medium* mediumTowards(Vector<World> direction) const override {
-    return (dot(direction, hit_.geometricNormal) > 0) == hit_.entering ? near_ : far_;
-  }
+  const volume::Medium* mediumTowards(Vector<World> direction) const override { return sideOf(direction).medium; }
+  const volume::MediumStack& mediaTowards(Vector<World> direction) const override { return sideOf(direction).media; }
   Color evaluate(Vector<World> direction) const override { return closures_.evaluate(direction); }
   float pdf(Vector<World> direction) const override { return closures_.pdf(direction); }
 
  private:
+  const Side& sideOf(Vector<World> direction) const {
+    return (dot(direction, hit_.geometricNormal) > 0) == hit_.entering ? near_ : far_;
+  }
+
   const accel::SurfaceHit& hit_;
   const ClosureMix& closures_;
-  const volume::Medium *near_, *far_;
+  Side near_, far_;
 };
 
 /// One sample of one light: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the

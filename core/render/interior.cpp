@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/render/medium_preparation.h"
+#include "core/render/nesting.h"
 #include "core/render/surface_closures.h"
 
 namespace aerosol::render {
@@ -47,7 +48,9 @@ std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t obj
       sum.lobes[sum.lobeCount++] = {sigmaS, std::clamp(p[7], -1.0f, 1.0f)};
     }
   }
-  if (!isDescribed && !prepared.interior) return {};
+  if (!isDescribed && !prepared.interior && !prepared.priority) return {};
+  if (!isDescribed) interior.priority = prepared.priority;
+  interior.clipsVolumes = prepared.clipsVolumes;
   interior.scene = prepared.interior;
   if (!interior.scene && !isBlack(sum.sigmaT)) {
     volume::Medium medium;
@@ -75,6 +78,10 @@ volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point) {
   std::for_each(hits.rbegin(), hits.rend(), [&](const accel::SurfaceHit& hit) {
     Ray<World> down = up;
     down.direction = {0, -1, 0};
+    if (scene.objects[hit.object].isBoundary) {
+      stack.cross(boundaryInterior(scene, hit.object), !hit.entering, ignored);
+      return;
+    }
     const SurfaceAnswer answer = askSurface(scene, scene.objects[hit.object].material, shadingPointOf(hit, down));
     if (const auto interior = interiorOf(scene, hit.object, answer)) stack.cross(*interior, !hit.entering, ignored);
   });

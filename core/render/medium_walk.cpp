@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/render/nesting.h"
 #include "core/render/prepared_scene.h"
 #include "core/volume/trackers/homogeneous.h"
 #include "core/volume/trackers/null_scattering.h"
@@ -17,14 +18,15 @@ using volume::MediumSpan;
 using volume::Segment;
 using volume::Task;
 
-void findSegments(PathContext& path, double t0, double t1, const Medium* boundaryMedium) {
+void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const Medium* boundaryMedium) {
   const PhaseScope phase(path.statistics().accel.phase, Phase::intervals);
-  path.mediumSpans.clear();
-  if (boundaryMedium) path.mediumSpans.push_back({t0, t1, boundaryMedium});
-  for (const accel::Span& span : path.spans) {
-    path.mediumSpans.push_back({span.t0, span.t1, path.scene().volumes[span.volume]});
-  }
-  path.segments.assign(path.mediumSpans);
+  auto& boundary = path.mediumSpans.boundary();
+  boundary.clear();
+  if (boundaryMedium && t0 < t1) boundary.push_back({t0, t1, boundaryMedium});
+  path.mediumSpans.clipped().clear();
+  if (path.scene().nestsMedia && path.media.clipsVolumes()) path.mediumSpans.clipped().push_back({t0, t1, nullptr});
+  path.mediumSpans.begin(path.scene(), ray, t0, t1, path.spans, path.statistics().accel);
+  path.segments.begin(path.mediumSpans);
 }
 
 namespace {
@@ -50,8 +52,8 @@ float stepSizeOf(const Segment& segment) {
 Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput) {
   DistanceSample whole;
   HashSource random(path.random());
-  for (std::size_t i = 0; i < path.segments.segments().size(); ++i) {
-    const Segment segment = path.segments.segments()[i];
+  Segment segment;
+  while (path.segments.next(segment)) {
     DistanceSample part;
     switch (methodOf(segment)) {
       case DistanceMethod::closedForm:
@@ -95,46 +97,46 @@ const Medium* crossBoundary(PathContext& path, const accel::Interface& interface
   const PreparedScene& scene = path.scene();
   const PreparedObject& object = scene.objects[interface.key.object];
   if (!scene.nestsMedia) return interface.entering ? object.interior : object.exterior;
-  volume::Interior interior;
-  interior.object = interface.key.object;
-  interior.scene = object.interior;
-  path.shadowMedia.cross(interior, interface.entering, path.statistics().media);
+  path.shadowMedia.cross(boundaryInterior(scene, interface.key.object), interface.entering, path.statistics().media);
   const volume::Interior* ruling = path.shadowMedia.ruling();
-  if (!ruling) return object.exterior;
-  if (ruling->scene) return ruling->scene;
-  // Media that closures describe lie in the path's own stack, which stays as it is.
-  const volume::Interior* own = path.media.interiorOf(ruling->object);
-  return own ? mediumOf(*own) : nullptr;
+  return ruling ? path.mediumAlongShadow(*ruling) : object.exterior;
 }
 
 /// Spans of all media between the ray's ends, surface-defined ones included.
-void collectSpans(PathContext& path, const Ray<World>& ray, const Medium* boundaryMedium) {
-  path.mediumSpans.clear();
+void collectSpans(PathContext& path, const Ray<World>& ray, const Medium* boundaryMedium,
+                  const volume::MediumStack& media) {
+  auto &boundary = path.mediumSpans.boundary(), &clipped = path.mediumSpans.clipped();
+  boundary.clear();
+  clipped.clear();
   double begin = static_cast<double>(ray.tMin);
   const auto end = static_cast<double>(ray.tMax);
-  if (path.scene().nestsMedia) path.shadowMedia = path.media;
+  const bool nests = path.scene().nestsMedia;
+  if (nests) path.shadowMedia = media;
+  const auto add = [&](double t) {
+    if (!(begin < t)) return;
+    if (boundaryMedium) boundary.push_back({begin, t, boundaryMedium});
+    if (nests && path.shadowMedia.clipsVolumes()) clipped.push_back({begin, t, nullptr});
+  };
   for (const accel::Interface& interface : path.interfaces) {
-    const double t = interface.key.t;
-    if (boundaryMedium && begin < t) path.mediumSpans.push_back({begin, t, boundaryMedium});
+    add(interface.key.t);
     boundaryMedium = crossBoundary(path, interface);
-    begin = t;
+    begin = interface.key.t;
   }
-  if (boundaryMedium && begin < end) path.mediumSpans.push_back({begin, end, boundaryMedium});
-  for (const accel::Span& span : path.spans) {
-    path.mediumSpans.push_back({span.t0, span.t1, path.scene().volumes[span.volume]});
-  }
+  add(end);
+  path.mediumSpans.begin(path.scene(), ray, static_cast<double>(ray.tMin), end, path.spans, path.statistics().accel);
 }
 
 }  // namespace
 
-Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Medium* boundaryMedium) {
+Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Medium* boundaryMedium,
+                                  const volume::MediumStack& media) {
   Color transmittance(1.0f);
   if (path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel)) co_return Color();
-  collectSpans(path, ray, boundaryMedium);
+  collectSpans(path, ray, boundaryMedium, media);
   path.setRay(ray);
   path.setRayTypes(shading::ray::shadow);
-  for (std::size_t i = 0; i < path.mediumSpans.size() && !isBlack(transmittance); ++i) {
-    transmittance *= co_await mediumTransmittance(path, ray, path.mediumSpans[i]);
+  for (MediumSpan span; !isBlack(transmittance) && path.mediumSpans.take(span);) {
+    transmittance *= co_await mediumTransmittance(path, ray, span);
   }
   co_return transmittance;
 }

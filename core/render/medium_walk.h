@@ -8,15 +8,19 @@
 
 namespace aerosol::render {
 
-/// Splits what `path.spans` and the surface-defined medium around the ray say about [t0, t1] into `path.segments`.
-void findSegments(PathContext& path, double t0, double t1, const volume::Medium* boundaryMedium);
+/// Begins `path.segments`: what volume primitives (`path.spans`, as the ray's query left them) and the surface-defined
+/// medium around the ray say about [t0, t1].
+void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const volume::Medium* boundaryMedium);
 
-/// Samples a distance through all of `path.segments`. `throughput` steers choices between channels alone.
-/// The result's weights and emission are for the whole way; `passed` means past the last segment.
+/// Samples a distance through `path.segments`, which are found no farther than the path comes. `throughput` steers
+/// choices between channels alone. The result's weights and emission are for the whole way; `passed` means past the
+/// last segment.
 volume::Task<volume::DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput);
 
 /// What arrives of the light that enters at the ray's end: the product of all media's transmittances (no sorting, no
-/// splitting), zero behind an opaque surface. Estimated; may be negative where a bound is exceeded.
-volume::Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const volume::Medium* boundaryMedium);
+/// splitting), zero behind an opaque surface. Estimated; may be negative where a bound is exceeded. Where media nest,
+/// `media` are those around the ray's origin.
+volume::Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const volume::Medium* boundaryMedium,
+                                          const volume::MediumStack& media);
 
 }  // namespace aerosol::render

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/accel/scene.h"
+#include "core/render/path_spans.h"
 #include "core/render/sample_stream.h"
 #include "core/render/statistics.h"
 #include "core/render/surface_answer.h"
@@ -17,7 +18,7 @@
 #include "core/shading/shading_system.h"
 #include "core/volume/medium.h"
 #include "core/volume/medium_stack.h"
-#include "core/volume/segments.h"
+#include "core/volume/segment_stream.h"
 
 namespace aerosol::render {
 
@@ -197,11 +198,28 @@ class PathContext {
   // Scratch, reused from ray to ray.
   accel::SpanBuffer spans;
   accel::InterfaceBuffer interfaces;
-  std::vector<volume::MediumSpan> mediumSpans;
-  volume::SegmentList segments;
+  PathSpans mediumSpans;
+  volume::SegmentStream segments;
 
   volume::MediumStack media;        ///< Surface-defined interiors around the path; only where media nest.
   volume::MediumStack shadowMedia;  ///< The same along a shadow ray.
+  volume::MediumStack mediaBehind;  ///< The same behind the surface that was met last.
+
+  /// A face with what is inside of it.
+  struct Face {
+    accel::SurfaceHit hit;
+    volume::Interior interior;
+  };
+  /// The medium of an interior along a shadow ray. Media that closures describe stay where they are as the ray goes on.
+  const volume::Medium* mediumAlongShadow(const volume::Interior& interior) {
+    if (interior.scene || !interior.own) return interior.scene;
+    if (const volume::Interior* own = media.interiorOf(interior.object); own && own->own) return &*own->own;
+    if (const volume::Interior* own = mediaBehind.interiorOf(interior.object); own && own->own) return &*own->own;
+    return nullptr;
+  }
+
+  std::vector<Face> faces;                ///< That coincide.
+  std::vector<accel::SurfaceHit> probed;  ///< Above where a path begins.
 };
 
 }  // namespace aerosol::render

@@ -11,8 +11,10 @@
 #include "core/accel/ply.h"
 #include "core/lang/analysis.h"
 #include "core/render/interior.h"
+#include "core/render/media_probe.h"
 #include "core/render/medium_phase.h"
 #include "core/render/medium_preparation.h"
+#include "core/render/overlap.h"
 #include "core/render/scene_attributes.h"
 #include "core/render/scene_services.h"
 #include "core/render/shader_binding.h"
@@ -49,6 +51,7 @@ class Preparation {
     buildGeometry();
     if (errors_.hasErrors()) return fail();
     decideMedia();
+    partitionVolumes(*scene_);
     addLights();
     if (errors_.hasErrors()) return fail();
     describeObjects();
@@ -127,6 +130,9 @@ class Preparation {
       const scene::Shape& shape = description_.shapes[i];
       if (shape.interior) scene_->objects[i].interior = place(*shape.interior, shape.toWorld);
       if (shape.exterior) scene_->objects[i].exterior = place(*shape.exterior, shape.toWorld);
+      if (shape.priority > 0) scene_->objects[i].priority = shape.priority;
+      scene_->objects[i].clipsVolumes = shape.clipVolumes;
+      scene_->nestsMedia = scene_->nestsMedia || shape.priority > 0 || shape.clipVolumes;
     }
     if (description_.sensor.medium) scene_->cameraMedium = place(*description_.sensor.medium, {});
   }
@@ -278,7 +284,7 @@ class Preparation {
     for (std::size_t i = 0; i < description_.volumes.size(); ++i) {
       const scene::Volume& volume = description_.volumes[i];
       const VolumeType& type = *registry_.volume(volume.type);
-      auto shape = type.make({volume, type.place(volume), description_.searchPath, warnings_});
+      auto shape = type.make({volume, type.place(volume), description_.searchPath, warnings_, scene_->services.get()});
       if (!shape) {
         appendAt(volume.origin.location, shape.errors());
         continue;
@@ -293,7 +299,12 @@ class Preparation {
   }
 
   void buildGeometry() {
-    auto built = builder_.build({options_.embreeIsa});
+    using scene::OverlapChoice;
+    accel::SceneOptions options{.embreeIsa = options_.embreeIsa};
+    const OverlapChoice choice = description_.integrator.overlap;
+    if (choice == OverlapChoice::partition) options.overlap = accel::OverlapDesign::partition;
+    if (choice == OverlapChoice::automatic) options.overlap = builder_.preferredOverlapDesign();
+    auto built = builder_.build(options);
     if (built) {
       scene_->geometry.emplace(std::move(*built));
     } else {
@@ -443,6 +454,9 @@ class Preparation {
     const Matrix4& m = description_.sensor.toWorld.matrix();
     const Point<World> eye(static_cast<float>(m[0][3]), static_cast<float>(m[1][3]), static_cast<float>(m[2][3]));
     scene_->initialMedia = findMedia(*scene_, eye);
+    const scene::Sensor& sensor = description_.sensor;
+    const float lens = sensor.type == scene::SensorType::thinlens ? sensor.apertureRadius : 0;
+    scene_->probesMedia = needsProbes(*scene_, eye, lens + 2 * sensor.nearClip);
   }
 
   void setUpCamera() {

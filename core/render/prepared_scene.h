@@ -31,6 +31,8 @@ struct PreparedObject {
   bool isBoundary = false;                   ///< Null material: rays pass, and change medium.
   const volume::Medium* interior = nullptr;  ///< On the side away from the normal; null: vacuum.
   const volume::Medium* exterior = nullptr;
+  std::optional<int> priority;           ///< Of the interior, where no closure describes one.
+  bool clipsVolumes = false;             ///< The interior rules out volume primitives too.
   std::optional<std::uint32_t> light;    ///< Index of its area light.
   std::vector<const Closure*> closures;  ///< By closure site of the material's program.
 };
@@ -62,6 +64,7 @@ struct PreparedScene {
   bool nestsMedia = false;  ///< Some material says what is inside: paths keep a stack of interiors.
   volume::PriorityOrder priorityOrder = volume::PriorityOrder::higherWins;
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
+  bool probesMedia = false;          ///< Paths may begin in different media: each one looks by itself.
   LightSet lights;
   std::optional<Camera> camera;
   std::optional<Filter> filter;

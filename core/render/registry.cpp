@@ -88,6 +88,12 @@ Diagnostics complete(const LightType& type, std::vector<scene::NamedValue>& para
 
 }  // namespace
 
+const VoxelFile* VolumeArguments::voxels(const std::string& name, std::string& message) const {
+  if (services) return services->voxels(name, message);
+  message = "there are no files here";
+  return nullptr;
+}
+
 std::filesystem::path VolumeArguments::file(const std::string& parameter) const {
   std::filesystem::path name = volume.get<std::string>(parameter);
   for (const std::filesystem::path& folder : searchPath) {

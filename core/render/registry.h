@@ -17,6 +17,7 @@
 #include "core/render/light_surface.h"
 #include "core/scene/description.h"
 #include "core/scene/parameter.h"
+#include "core/shading/services.h"
 #include "core/volume/phase.h"
 
 namespace aerosol::render {
@@ -58,6 +59,10 @@ struct VolumeArguments {
   Transform<World, Object> toWorld;                   ///< As `place` gave it.
   std::span<const std::filesystem::path> searchPath;  ///< For files with relative names.
   Diagnostics& warnings;
+  shading::Services* services = nullptr;  ///< Where shaders get files from.
+
+  /// A voxel file, read once for all that ask, shaders included. Null with a message.
+  const VoxelFile* voxels(const std::string& name, std::string& message) const;
 
   /// The file that a parameter names, looked up in the search path; the name itself where no such file is found.
   std::filesystem::path file(const std::string& parameter) const;

@@ -32,9 +32,7 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   invalidCoefficients += o.invalidCoefficients;
   invalidClosures += o.invalidClosures;
   frameHeapBlocks += o.frameHeapBlocks;
-  media.exitsWithoutEntry += o.media.exitsWithoutEntry;
-  media.repeatedEntries += o.media.repeatedEntries;
-  media.rejectedHits += o.media.rejectedHits;
+  media += o.media;
   if (kernels.size() < o.kernels.size()) kernels.resize(o.kernels.size());
   for (std::size_t i = 0; i < o.kernels.size(); ++i) kernels[i] += o.kernels[i];
   for (std::size_t i = 0; i < phaseCount; ++i) phases[i] += o.phases[i];

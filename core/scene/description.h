@@ -115,6 +115,9 @@ struct Medium {
   MediumSampling sampling;
 };
 
+/// How volume primitives along a ray are found (accel::OverlapDesign).
+enum class OverlapChoice : std::uint8_t { automatic, split, partition };
+
 struct Integrator {
   std::string type = "path";
   int maxDepth = -1;  ///< Longest path: 1 shows emitters, 2 direct light …; -1 is unbounded.
@@ -122,7 +125,8 @@ struct Integrator {
   bool hideEmitters = false;
   bool lowerPriorityWins = false;                           ///< Of surface-defined media that overlap.
   DistanceSampling distance = DistanceSampling::automatic;  ///< For media that do not choose.
-  float stepScale = 1;                                      ///< Factor on all ray marching steps, > 0.
+  OverlapChoice overlap = OverlapChoice::automatic;
+  float stepScale = 1;       ///< Factor on all ray marching steps, > 0.
   int boundBoxes = 1 << 16;  ///< Boxes over which bounds of all media together may be evaluated, at least 0.
   int boundMegabytes = 256;  ///< Memory for the bounds of all media together.
   Origin origin;
@@ -231,6 +235,8 @@ struct Shape {
   Index material = 0;
   std::optional<Index> interior;  ///< Surface-defined, exclusive medium on the side away from the normal.
   std::optional<Index> exterior;
+  int priority = 0;                    ///< Of what is inside, where the material does not say; 0: off.
+  bool clipVolumes = false;            ///< Where the inside rules there are no volume primitives.
   std::optional<Emitter> emitter;      ///< An area light.
   std::vector<NamedValue> attributes;  ///< For shaders that ask: "user:…".
   Origin origin;

@@ -24,6 +24,10 @@ struct Words<DistanceSampling> {
   static constexpr std::array words = {"auto", "marching", "null"};
 };
 template <>
+struct Words<OverlapChoice> {
+  static constexpr std::array words = {"auto", "split", "partition"};
+};
+template <>
 struct Words<FovAxis> {
   static constexpr std::array words = {"x", "y", "diagonal", "smaller", "larger"};
 };

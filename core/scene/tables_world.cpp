@@ -10,7 +10,14 @@ namespace {
 std::vector<Field<Shape>> shapeFields(bool fromFile) {
   std::vector<Field<Shape>> fields = {
       field<&Shape::toWorld>({.name = "to_world", .doc = "the shape's own space to world", .defaultText = "identity"}),
-      field<&Shape::flipNormals>({.name = "flip_normals", .doc = "turn inside and outside around"})};
+      field<&Shape::flipNormals>({.name = "flip_normals", .doc = "turn inside and outside around"}),
+      field<&Shape::priority>({.name = "priority",
+                               .doc = "of the interior medium (or of empty space inside, without one): where surfaces "
+                                      "overlap the higher is there; 0 takes no part; a material with a medium of its "
+                                      "own has its own",
+                               .range = Range::atLeast(0)}),
+      field<&Shape::clipVolumes>(
+          {.name = "clip_volumes", .doc = "where this shape's inside rules there are no volume primitives"})};
   if (!fromFile) return fields;
   fields.push_back(
       field<&Shape::faceNormals>({.name = "face_normals", .doc = "flat triangles: normals of the file are not used"}));
@@ -95,6 +102,10 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                {.name = "lower_priority_wins",
                 .doc = "where media inside of surfaces overlap, the lower priority rules, not the higher"}),
            field<&Integrator::distance>({.name = "distance", .doc = "distance sampling of media that do not choose"}),
+           field<&Integrator::overlap>(
+               {.name = "overlap",
+                .doc = "how volume primitives along a ray are found: all of them, then sorted and split; or by "
+                       "walking a partition of space as far as the path comes; auto decides by how many overlap"}),
            field<&Integrator::stepScale>(
                {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
            field<&Integrator::boundBoxes>({.name = "bound_boxes",

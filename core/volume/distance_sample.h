@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/volume/few_or_many.h"
 #include "core/volume/medium.h"
 
 namespace aerosol::volume {
@@ -46,22 +45,34 @@ struct CoefficientSum {
   }
 };
 
-/// Chooses a scattering lobe in proportion to the mean of its σs. Of one point, medium by medium: `add` all, then
-/// `choose`.
-class LobeChoice {
- public:
-  void add(const Medium& medium, const Coefficients& part) { parts_.push_back({&medium, &part}); }
-
-  /// Writes the lobe into `sample`: the weight becomes `weight` · σs(lobe) / P(lobe), where `weight` is T / pdf without
-  /// σs. Absorbed where nothing scatters. `u` in [0, 1).
-  void choose(Color weight, float u, DistanceSample& sample) const;
-
- private:
-  struct Part {
-    const Medium* medium = nullptr;
-    const Coefficients* coefficients = nullptr;
-  };
-  FewOrMany<Part, 4> parts_;
-};
+/// Chooses a scattering lobe in proportion to the mean of its σs. `forEach(use)` calls use(medium, coefficients) for
+/// every medium at the point; it is run twice. Writes the lobe into `sample`: the weight becomes `weight` · σs(lobe) /
+/// P(lobe), where `weight` is T / pdf without σs. Absorbed where nothing scatters. `u` in [0, 1).
+template <class ForEach>
+void chooseLobe(const ForEach& forEach, Color weight, float u, DistanceSample& sample) {
+  float total = 0;
+  forEach([&](const Medium&, const Coefficients& part) {
+    for (std::uint32_t k = 0; k < part.lobeCount; ++k) total += average(abs(part.lobes[k].sigmaS));
+  });
+  sample.event = DistanceEvent::absorbed;
+  sample.weight = Color();
+  if (!(total > 0)) return;
+  float remaining = u * total;
+  bool isChosen = false;
+  forEach([&](const Medium& medium, const Coefficients& part) {
+    for (std::uint32_t k = 0; k < part.lobeCount && !isChosen; ++k) {
+      const Lobe& lobe = part.lobes[k];
+      const float share = average(abs(lobe.sigmaS));
+      if (share <= 0) continue;
+      // Rounding may leave a remainder after the last lobe; the last one with a share stays chosen.
+      sample.event = DistanceEvent::scattered;
+      sample.medium = &medium;
+      sample.anisotropy = lobe.anisotropy;
+      sample.weight = weight * lobe.sigmaS * (total / share);
+      isChosen = remaining < share;
+      remaining -= share;
+    }
+  });
+}
 
 }  // namespace aerosol::volume

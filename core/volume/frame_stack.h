@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <vector>
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
@@ -20,7 +21,8 @@
 namespace aerosol::volume {
 
 /// A last-in first-out arena. Blocks are 64-byte aligned. What does not fit comes from the heap and is counted, so
-/// that the capacity can be chosen from measurements. Freed memory is poisoned for AddressSanitizer.
+/// that the capacity can be chosen from measurements; such blocks are kept for the next one that does not fit. Freed
+/// memory is poisoned for AddressSanitizer.
 class FrameStack {
  public:
   static constexpr std::size_t alignment = 64;
@@ -32,6 +34,10 @@ class FrameStack {
   }
   ~FrameStack() {
     unpoison(memory_, capacity_);
+    for (const Spare& spare : spare_) {
+      unpoison(spare.block, spare.size);
+      ::operator delete(spare.block, std::align_val_t{alignment});
+    }
     ::operator delete(memory_, std::align_val_t{alignment});
   }
   FrameStack(const FrameStack&) = delete;
@@ -39,7 +45,7 @@ class FrameStack {
 
   /// At least `size` bytes. Must be freed before every block that was allocated earlier.
   void* allocate(std::size_t size) {
-    const std::size_t total = roundUp(size) + alignment;
+    std::size_t total = roundUp(size) + alignment;
     std::byte* block;
     if (used_ + total <= capacity_) {
       block = memory_ + used_;
@@ -47,7 +53,7 @@ class FrameStack {
       used_ += total;
       if (used_ > peak_) peak_ = used_;
     } else {
-      block = static_cast<std::byte*>(::operator new(total, std::align_val_t{alignment}));
+      block = takeSpare(total);
       ++heapBlocks_;
     }
     ::new (block) Header{this, total};
@@ -79,8 +85,28 @@ class FrameStack {
       used_ = static_cast<std::size_t>(block - memory_);
       poison(block, size);
     } else {
-      ::operator delete(block, std::align_val_t{alignment});
+      poison(block, size);
+      spare_.push_back({block, size});
     }
+  }
+
+  struct Spare {
+    std::byte* block;
+    std::size_t size;
+  };
+
+  /// A block from the heap of at least `size` bytes; `size` becomes what it has.
+  std::byte* takeSpare(std::size_t& size) {
+    for (Spare& spare : spare_) {
+      if (spare.size < size) continue;
+      const Spare found = spare;
+      spare = spare_.back();
+      spare_.pop_back();
+      unpoison(found.block, found.size);
+      size = found.size;
+      return found.block;
+    }
+    return static_cast<std::byte*>(::operator new(size, std::align_val_t{alignment}));
   }
 
 #ifdef AEROSOL_ASAN
@@ -96,6 +122,7 @@ class FrameStack {
   std::size_t used_ = 0;
   std::size_t peak_ = 0;
   std::size_t heapBlocks_ = 0;
+  std::vector<Spare> spare_;
 };
 
 /// What a coroutine's first parameter must offer: the stack on which its frame is laid.

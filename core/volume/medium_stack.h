@@ -17,6 +17,7 @@ struct Interior {
   float ior = 1;                  ///< Index of refraction.
   const Medium* scene = nullptr;  ///< A medium of the scene; null: `own` if it is set, else empty space.
   std::optional<Medium> own;      ///< A medium that the material's closure describes.
+  bool clipsVolumes = false;      ///< Where this interior rules there are no volume primitives either.
 };
 
 /// Which of two overlapping media rules (the talk: "higher wins"; others have it the other way round).
@@ -26,7 +27,16 @@ enum class PriorityOrder : std::uint8_t { higherWins, lowerWins };
 struct StackStatistics {
   std::uint64_t exitsWithoutEntry = 0;
   std::uint64_t repeatedEntries = 0;
-  std::uint64_t rejectedHits = 0;  ///< Crossings that a medium of higher or equal priority hides.
+  std::uint64_t rejectedHits = 0;     ///< Crossings that a medium of higher or equal priority hides.
+  std::uint64_t coincidentFaces = 0;  ///< Faces crossed together with another one in the same place.
+
+  StackStatistics& operator+=(const StackStatistics& other) {
+    exitsWithoutEntry += other.exitsWithoutEntry;
+    repeatedEntries += other.repeatedEntries;
+    rejectedHits += other.rejectedHits;
+    coincidentFaces += other.coincidentFaces;
+    return *this;
+  }
 };
 
 /// What a crossing means.
@@ -64,6 +74,11 @@ class MediumStack {
   /// Its medium; null in empty space.
   const Medium* medium() const;
   float ior() const;
+  /// Whether there are no volume primitives here.
+  bool clipsVolumes() const {
+    const Interior* interior = ruling();
+    return interior && interior->clipsVolumes;
+  }
   /// The interior of a surface that was entered; null when it was not.
   const Interior* interiorOf(std::uint32_t object) const;
 

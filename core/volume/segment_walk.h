@@ -1,9 +1,12 @@
 // All media of a segment on a ray's way, cut where what is known of any of them changes.
 #pragma once
 
+#include <memory>
+#include <type_traits>
+
 #include "core/volume/bounds/bound_walk.h"
 #include "core/volume/distance_sample.h"
-#include "core/volume/few_or_many.h"
+#include "core/volume/frame_stack.h"
 #include "core/volume/segments.h"
 
 namespace aerosol::volume {
@@ -20,11 +23,22 @@ inline Point<World> pointOn(const Ray<World>& ray, double t) {
 /// Stretches of a segment in order along the ray. In each every medium is in one leaf of its tree.
 class SegmentWalk {
  public:
-  SegmentWalk(const Segment& segment, const Ray<World>& ray)
+  /// `memory` is that of the coroutine in which this stands.
+  SegmentWalk(const Segment& segment, const Ray<World>& ray, FrameStack& memory)
       : media_(segment.media), last_(segment.t1), end_(segment.t0) {
-    for (const Medium* medium : media_) walks_.emplace_back().begin(*medium, ray, segment.t0);
+    static_assert(std::is_trivially_destructible_v<BoundWalk>);
+    if (media_.size() > 1) {
+      walks_ = static_cast<BoundWalk*>(memory.allocate(media_.size() * sizeof(BoundWalk)));
+      std::uninitialized_default_construct_n(walks_, media_.size());
+    }
+    for (std::size_t i = 0; i < media_.size(); ++i) walks_[i].begin(*media_[i], ray, segment.t0);
     look();
   }
+  ~SegmentWalk() {
+    if (walks_ != &only_) FrameStack::free(walks_);
+  }
+  SegmentWalk(const SegmentWalk&) = delete;
+  SegmentWalk& operator=(const SegmentWalk&) = delete;
 
   double begin() const { return begin_; }
   /// Where the stretch ends; the segment's end for the last one.
@@ -59,15 +73,16 @@ class SegmentWalk {
       if (!walks_[i].known()) use(*media_[i], walks_[i].leaf(), answers[next++]);
     }
   }
-  /// The lobes of all media at the point of the answers.
-  LobeChoice lobes(std::span<const Coefficients> answers) const {
-    LobeChoice lobes;
-    std::size_t next = 0;
-    for (std::size_t i = 0; i < media_.size(); ++i) {
-      const Coefficients* const known = walks_[i].known();
-      lobes.add(*media_[i], known ? *known : answers[next++]);
-    }
-    return lobes;
+  /// Of the lobes of all media at the point of the answers; see volume::chooseLobe.
+  void chooseLobe(std::span<const Coefficients> answers, Color weight, float u, DistanceSample& sample) const {
+    const auto forEach = [&](auto&& use) {
+      std::size_t next = 0;
+      for (std::size_t i = 0; i < media_.size(); ++i) {
+        const Coefficients* const known = walks_[i].known();
+        use(*media_[i], known ? *known : answers[next++]);
+      }
+    };
+    volume::chooseLobe(forEach, weight, u, sample);
   }
 
  private:
@@ -97,7 +112,8 @@ class SegmentWalk {
   float rate_ = 0;
   bool isKnown_ = true;
   CoefficientSum known_;
-  FewOrMany<BoundWalk, 1> walks_;
+  BoundWalk only_;
+  BoundWalk* walks_ = &only_;  ///< One a medium; many stand in the coroutine's memory.
 };
 
 }  // namespace aerosol::volume

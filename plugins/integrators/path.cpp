@@ -6,7 +6,9 @@
 
 #include "core/render/direct_light.h"
 #include "core/render/interior.h"
+#include "core/render/media_probe.h"
 #include "core/render/medium_walk.h"
+#include "core/render/nesting.h"
 #include "core/render/prepared_scene.h"
 #include "core/render/registry.h"
 #include "core/render/surface_closures.h"
@@ -32,9 +34,10 @@ void beginVertex(PathContext& path, int length) {
 struct PathState {
   Ray<World> ray;
   Color throughput{1.0f};
-  DirectionRecord direction;               ///< How the ray's direction was found.
-  const Medium* boundaryMedium = nullptr;  ///< Surface-defined medium around the ray.
-  int length = 1;                          ///< Segments so far, this ray's included.
+  DirectionRecord direction;                  ///< How the ray's direction was found.
+  const Medium* boundaryMedium = nullptr;     ///< Surface-defined medium around the ray.
+  std::optional<accel::SurfaceHit> touching;  ///< A surface right where the ray begins, to be met first.
+  int length = 1;                             ///< Segments so far, this ray's included.
   std::uint32_t rayTypes = shading::ray::camera;
 };
 
@@ -59,7 +62,7 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
                            const volume::DistanceSample& event) {
   const PreparedScene& scene = path.scene();
   const MediumVertex vertex(scene.phaseOf(*event.medium), accel::pointAt(state.ray, event.t), state.ray.direction,
-                            event.anisotropy, state.boundaryMedium);
+                            event.anisotropy, state.boundaryMedium, path.media);
   if (state.length == scene.path.maxDepth) co_return false;
   beginVertex(path, state.length);
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
@@ -82,27 +85,45 @@ void crossBoundary(PathContext& path, PathState& state, const accel::SurfaceHit&
     state.boundaryMedium = hit.entering ? object.interior : object.exterior;
     return;
   }
-  volume::Interior interior;
-  interior.object = hit.object;
-  interior.scene = object.interior;
-  path.media.cross(interior, hit.entering, path.statistics().media);
+  path.media.cross(boundaryInterior(path.scene(), hit.object), hit.entering, path.statistics().media);
   state.boundaryMedium = ruler(path, object.exterior);
 }
 
 enum class Step : unsigned char { ends, scatters, passes };
 
-/// Emission and scattering at an opaque surface, unless a medium of higher priority hides it.
-Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, const accel::SurfaceHit& hit) {
+/// The ray goes on behind faces that were crossed.
+void goBehind(PathContext& path, PathState& state, const Nesting& nesting) {
+  crossNesting(path, nesting);
+  state.boundaryMedium = ruler(path, path.scene().objects[nesting.face.object].exterior);
+}
+
+/// A surface that coincides with what was crossed is met by the ray behind it, where that still runs into it.
+void meetNext(PathState& state, const Nesting& nesting, Vector<World> before) {
+  if (!nesting.below) return;
+  accel::SurfaceHit hit = *nesting.below;
+  if (dot(before, hit.geometricNormal) * dot(state.ray.direction, hit.geometricNormal) <= 0) return;
+  hit.t = 0;
+  state.touching = hit;
+}
+
+/// Emission and scattering at an opaque surface, unless a medium of higher priority hides it. `passed` becomes what was
+/// gone through when the ray passes.
+Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, accel::SurfaceHit hit,
+                       std::optional<accel::HitKey>& passed) {
   const PreparedScene& scene = path.scene();
-  const PreparedObject& object = scene.objects[hit.object];
+  Nesting nesting;
   const shading::ShadingPoint point = shadingPointOf(hit, state.ray);
-  const SurfaceAnswer& answer = co_await path.shade(object.material, point);
-  std::optional<volume::Interior> interior;
-  if (scene.nestsMedia) interior = interiorOf(scene, hit.object, answer);
-  const volume::Crossing crossing = interior ? path.media.judge(*interior, hit.entering) : volume::Crossing{};
-  if (!crossing.isHit) {
-    path.media.cross(*interior, hit.entering, path.statistics().media);
-    state.boundaryMedium = ruler(path, object.exterior);
+  if (scene.nestsMedia) {
+    nesting = co_await findNesting(path, state.ray, hit);
+    hit = nesting.face;
+  } else {
+    co_await path.shade(scene.objects[hit.object].material, point);
+  }
+  const PreparedObject& object = scene.objects[hit.object];
+  const SurfaceAnswer& answer = path.surfaceAnswer();
+  if (nesting.isInterface && !nesting.crossing.isHit) {
+    goBehind(path, state, nesting);
+    passed = nesting.last;
     co_return Step::passes;
   }
   const bool isHidden = scene.path.hideEmitters && state.length == 1;
@@ -110,7 +131,8 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     radiance.color += state.throughput * metLight(scene, *object.light, hit, state.ray.direction, state.direction);
   }
   radiance.alpha = 1;
-  const SurfaceClosures closures(object, answer, hit, state.ray.direction, interior ? &crossing : nullptr);
+  const SurfaceClosures closures(object, answer, hit, state.ray.direction,
+                                 nesting.isInterface ? &nesting.crossing : nullptr);
   if (const auto invalid = closures.invalidSite()) [[unlikely]] {
     ++path.statistics().invalidClosures;
     scene.messages->reportInvalidSurface(hit.object, *invalid, hit.point, path.id());
@@ -120,30 +142,30 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
 
   beginVertex(path, state.length);
   const Medium* behind = state.boundaryMedium;
-  if (interior) {
-    behind = crossing.mediumAfter;
+  if (nesting.isInterface) {
+    behind = nesting.crossing.mediumAfter;
   } else if (!scene.nestsMedia) {
     behind = hit.entering ? object.interior : object.exterior;
   }
-  const SurfaceVertex vertex(hit, closures.mix(), state.boundaryMedium, behind);
+  const SurfaceVertex vertex(hit, closures.mix(), {state.boundaryMedium, path.media},
+                             {behind, nesting.isInterface ? path.mediaBehind : path.media});
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
   ClosureUniforms uniforms;
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().next1D();
   const std::optional<ClosureSample> next = closures.mix().sample(uniforms);
   if (!next) co_return Step::ends;
-  const bool crosses = dot(next->direction, hit.geometricNormal) * dot(state.ray.direction, hit.geometricNormal) > 0;
+  const Vector<World> before = state.ray.direction;
+  const bool crosses = dot(next->direction, hit.geometricNormal) * dot(before, hit.geometricNormal) > 0;
   state.rayTypes = rayTypeAfter(*next, crosses, state.rayTypes);
-  if (crosses) {
-    if (interior) {
-      path.media.cross(*interior, hit.entering, path.statistics().media);
-      state.boundaryMedium = ruler(path, object.exterior);
-    } else {
-      state.boundaryMedium = behind;
-    }
-  }
   state.direction = {hit.point, next->pdf, next->isDelta};
   continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight);
+  if (crosses && nesting.isInterface) {
+    goBehind(path, state, nesting);
+    meetNext(state, nesting, before);
+  } else if (crosses) {
+    state.boundaryMedium = behind;
+  }
   co_return Step::scatters;
 }
 
@@ -162,15 +184,19 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
   const PreparedScene& scene = path.scene();
   Radiance radiance;
   if (scene.nestsMedia) path.media = scene.initialMedia;
+  if (scene.probesMedia) co_await probeMedia(path, cameraRay.at(cameraRay.tMin), cameraRay.time);
   PathState state{.ray = cameraRay,
                   .boundaryMedium = scene.nestsMedia ? ruler(path, scene.cameraMedium) : scene.cameraMedium};
   std::optional<accel::HitKey> passed;  // The boundary that this ray has just gone through.
   bool goesOn = scene.path.maxDepth != 0;
   while (goesOn) {
-    const auto hit =
-        scene.geometry->closestHit(state.ray, path.spans, path.statistics().accel, passed ? &*passed : nullptr);
-    const double begin = passed ? passed->t : static_cast<double>(state.ray.tMin);
-    findSegments(path, begin, hit ? hit->t : static_cast<double>(state.ray.tMax), state.boundaryMedium);
+    std::optional<accel::SurfaceHit> hit = std::exchange(state.touching, {});
+    const bool isTouching = hit.has_value();
+    if (!isTouching) {
+      hit = scene.geometry->closestHit(state.ray, path.spans, path.statistics().accel, passed ? &*passed : nullptr);
+    }
+    const double begin = isTouching ? 0 : passed ? passed->t : static_cast<double>(state.ray.tMin);
+    findSegments(path, state.ray, begin, hit ? hit->t : static_cast<double>(state.ray.tMax), state.boundaryMedium);
     path.setRay(state.ray);
     path.setRayTypes(state.rayTypes);
     const volume::DistanceSample event = co_await sampleDistance(path, state.ray, state.throughput);
@@ -191,8 +217,8 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       crossBoundary(path, state, *hit);
       passed = hit->key();
     } else {
-      const Step step = co_await meetSurface(path, state, radiance, *hit);
-      passed = step == Step::passes ? std::optional(hit->key()) : std::nullopt;
+      passed.reset();
+      const Step step = co_await meetSurface(path, state, radiance, *hit, passed);
       goesOn = step == Step::passes || (step == Step::scatters && survivesRoulette(path, state));
     }
     path.statistics().pathVertices += goesOn;

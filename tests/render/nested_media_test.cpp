@@ -70,5 +70,178 @@ TEST_P(Overlaps, HaveTheStrongerMedium) {
 
 INSTANTIATE_TEST_SUITE_P(Priorities, Overlaps, ::testing::Values(std::pair(2, 1), std::pair(1, 2), std::pair(1, 1)));
 
+/// Fresnel's equations for unpolarised light, cosines by Snell's law.
+double transmitted(double n1, double n2, double sine) {
+  const double c1 = std::sqrt(1 - sine * sine / (n1 * n1)), c2 = std::sqrt(1 - sine * sine / (n2 * n2));
+  const double s = (n1 * c1 - n2 * c2) / (n1 * c1 + n2 * c2), p = (n2 * c1 - n1 * c2) / (n2 * c1 + n1 * c2);
+  return 1 - 0.5 * (s * s + p * p);
+}
+
+/// How far light moves sideways in a layer; `sine` is that in air.
+double shift(double thickness, double n, double sine) { return thickness * sine / std::sqrt(n * n - sine * sine); }
+
+/// Glass from z = -1 to 0 and liquid from `front` to 1, one way or the other round; behind them, at `lightZ`, a narrow
+/// light where Snell's law says that the view comes out; the light may lie right on the liquid's back.
+struct Modelling {
+  const char* name;
+  double front;
+  bool liquidFirst = false;
+  double lightZ = 2;
+};
+
+class Modellings : public ::testing::TestWithParam<Modelling> {};
+
+TEST_P(Modellings, BendLightBySnellsLaw) {
+  const Modelling& m = GetParam();
+  constexpr double glass = 1.5, liquid = 1.33, eyeZ = -5;
+  const double sine = std::sin(40 * M_PI / 180);
+  const double gap = std::max(m.front, 0.0);
+  const double x = shift(-1 - eyeZ, 1, sine) + shift(1, glass, sine) + shift(gap, 1, sine) +
+                   shift(1 - gap, liquid, sine) + shift(m.lightZ - 1, 1, sine);
+  double throughput = transmitted(1, glass, sine) * transmitted(liquid, 1, sine);
+  throughput *= gap > 0 ? transmitted(glass, 1, sine) * transmitted(1, liquid, sine) : transmitted(glass, liquid, sine);
+  const auto slab = [](double z0, double z1, double ior, int priority) {
+    return fmt::format(R"(<shape type="cube"><transform name="to_world"><scale x="50" y="50" z="{}"/>
+        <translate x="0" y="0" z="{}"/></transform><bsdf type="dielectric"><float name="ior" value="{}"/>
+        <integer name="priority" value="{}"/></bsdf></shape>)",
+                       (z1 - z0) / 2, (z0 + z1) / 2, ior, priority);
+  };
+  const std::string wall = slab(-1, 0, glass, 20), inside = slab(m.front, 1, liquid, 10);
+  // The light is 0.02 wide; the three modellings are farther apart.
+  const std::string light =
+      fmt::format(R"(<shape type="rectangle"><transform name="to_world"><scale x="0.01" y="1" z="1"/>
+      <rotate y="1" angle="180"/><translate x="{}" y="0" z="{}"/></transform>
+      <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>)",
+                  x, m.lightZ);
+  const TestScene scene = loadScene(fmt::format(R"(<integer name="max_depth" value="{}"/>)", gap > 0 ? 5 : 4),
+                                    {.origin = fmt::format("0, 0, {}", eyeZ),
+                                     .target = fmt::format("{}, 0, {}", sine, eyeZ + std::cos(40 * M_PI / 180)),
+                                     .fov = 0.01,
+                                     .width = 2,
+                                     .height = 2},
+                                    (m.liquidFirst ? inside + wall : wall + inside) + light);
+  EXPECT_TRUE(
+      shows(scene, *scene.render(16384), [&](const Ray<World>&) { return Color(static_cast<float>(throughput)); }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Liquid, Modellings,
+                         ::testing::Values(Modelling{"reachesIn", -0.2}, Modelling{"reachesInReversed", -0.2, true},
+                                           Modelling{"fits", 0}, Modelling{"fitsReversed", 0, true},
+                                           Modelling{"leavesAGap", 0.1}, Modelling{"stands", 0, false, 1},
+                                           Modelling{"standsReversed", 0, true, 1}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+/// Media given by `interior`, with priorities: the stronger holds where two boxes overlap.
+TEST(InteriorPriorities, DecideAsThoseOfClosuresDo) {
+  const auto box = [](double z0, double z1, int priority, const char* sigma) {
+    return fmt::format(R"(<shape type="cube"><transform name="to_world"><scale x="50" y="50" z="{}"/>
+        <translate x="0" y="0" z="{}"/></transform><integer name="priority" value="{}"/><bsdf type="null"/>{}</shape>)",
+                       (z1 - z0) / 2, (z0 + z1) / 2, priority,
+                       *sigma
+                           ? fmt::format(R"(<medium name="interior" type="homogeneous"><rgb name="sigma_t" value="{}"/>
+                                <rgb name="albedo" value="0"/></medium>)",
+                                         sigma)
+                           : std::string());
+  };
+  const auto depth = [](const Ray<World>& ray, double length) {
+    return static_cast<float>(std::exp(-length / static_cast<double>(ray.direction.z)));
+  };
+  const std::string light = R"(<emitter type="constant"/>)";
+  const TestSensor sensor{.fov = 30};
+  const TestScene stronger = loadScene("", sensor, light + box(-1, 0.5, 2, "0.3") + box(-0.5, 1, 1, "0.7"));
+  EXPECT_TRUE(shows(stronger, *stronger.render(2048),
+                    [&](const Ray<World>& ray) { return Color(depth(ray, 1.5 * 0.3 + 0.5 * 0.7)); }));
+  const TestScene weaker = loadScene("", sensor, light + box(-1, 0.5, 1, "0.3") + box(-0.5, 1, 2, "0.7"));
+  EXPECT_TRUE(shows(weaker, *weaker.render(2048),
+                    [&](const Ray<World>& ray) { return Color(depth(ray, 0.5 * 0.3 + 1.5 * 0.7)); }));
+  // An empty one of high priority clips.
+  const TestScene clipped = loadScene("", sensor, light + box(-1, 1, 1, "0.4") + box(-0.5, 0.25, 9, ""));
+  EXPECT_TRUE(
+      shows(clipped, *clipped.render(2048), [&](const Ray<World>& ray) { return Color(depth(ray, 1.25 * 0.4)); }));
+}
+
+/// Volume primitives are clipped where that is asked for: along the view, and along shadow rays.
+TEST(Clipping, OfVolumePrimitives) {
+  for (const bool clips : {false, true}) {
+    const std::string content = fmt::format(R"(
+        <shape type="cube"><transform name="to_world"><scale x="50" y="50" z="0.5"/></transform>
+        <integer name="priority" value="9"/><boolean name="clip_volumes" value="{}"/><bsdf type="null"/></shape>
+        <volume type="box"><transform name="to_world"><scale x="60" y="60" z="1"/></transform>
+        <medium type="homogeneous"><rgb name="sigma_t" value="0.5"/><rgb name="albedo" value="0"/></medium></volume>)",
+                                            clips);
+    const double length = clips ? 1 : 2;
+    const TestScene seen = loadScene("", {.fov = 30}, R"(<emitter type="constant"/>)" + content);
+    EXPECT_TRUE(shows(seen, *seen.render(2048), [&](const Ray<World>& ray) {
+      return Color(static_cast<float>(std::exp(-0.5 * length / static_cast<double>(ray.direction.z))));
+    })) << clips;
+    // A white floor behind, lit from the front through the same layers.
+    const TestScene lit = loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 5}, content + R"(
+        <emitter type="directional"><vector name="direction" x="0" y="0" z="1"/><rgb name="irradiance" value="3.14159265"/></emitter>
+        <shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><scale value="50"/><translate z="2"/></transform>
+        <bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></shape>)");
+    EXPECT_TRUE(shows(
+        lit, *lit.render(4096),
+        [&](const Ray<World>& ray) {
+          return Color(static_cast<float>(std::exp(-0.5 * length * (1 + 1 / static_cast<double>(ray.direction.z)))));
+        },
+        0.004))
+        << clips;
+  }
+}
+
+/// The camera's near plane crosses the face of a box of fog: each path finds out for itself where it begins.
+TEST(InitialMedia, AreFoundForEachPath) {
+  const TestScene scene = loadScene("", {.origin = "0, 0, -5", .fov = 60, .nearClip = 1}, R"(<emitter type="constant"/>
+      <shape type="cube"><transform name="to_world"><scale x="50" y="10" z="50"/><translate x="0" y="-10" z="0"/></transform>
+      <integer name="priority" value="1"/><bsdf type="null"/>
+      <medium name="interior" type="homogeneous"><rgb name="sigma_t" value="0.05"/><rgb name="albedo" value="0"/></medium></shape>)");
+  ASSERT_TRUE(scene.scene());
+  EXPECT_TRUE(scene.scene()->probesMedia);
+  EXPECT_TRUE(shows(
+      scene, *scene.render(1024),
+      [&](const Ray<World>& ray) {
+        if (ray.direction.y > 0) return Color(1);
+        const double z = 55 / static_cast<double>(ray.direction.z),
+                     x = 50 / std::fabs(static_cast<double>(ray.direction.x)),
+                     y = 20 / -static_cast<double>(ray.direction.y);
+        const double length = std::min({x, y, z}) - static_cast<double>(ray.tMin);
+        return Color(static_cast<float>(std::exp(-0.05 * length)));
+      },
+      0.02));
+}
+
+/// Exits without entry and double entries change nothing else, and are counted.
+TEST(OpenSurfaces, AreCounted) {
+  const std::string open =
+      R"(<shape type="rectangle"><transform name="to_world"><scale value="20"/><translate z="0"/></transform>
+      <bsdf type="dielectric"><float name="ior" value="1"/><integer name="priority" value="1"/></bsdf></shape>)";
+  const TestScene scene = loadScene(manyBounces, {.fov = 10, .width = 2, .height = 2}, std::string(sky) + open);
+  const auto film = scene.film();
+  const render::RenderReport report = scene.renderInto(*film, {.threads = 1, .endSample = 8});
+  EXPECT_EQ(report.statistics.media.exitsWithoutEntry, 32u);
+  EXPECT_TRUE(shows(scene, *film, [](const Ray<World>&) { return skyColor; }));
+}
+
+/// A rough boundary lit through itself: shadow rays that begin behind it know what is there.
+TEST(ShadowsBehindSurfaces, CrossTheMediaThatAreThere) {
+  // A ball of coloured liquid with a rough surface holds a bubble of nothing, bounded by a null surface. Light that
+  // comes to the rough face from within has crossed liquid and bubble: by both strategies the same image.
+  const std::string content = R"(<emitter type="constant"/>
+      <shape type="cube"><transform name="to_world"><scale x="30" y="30" z="1"/></transform>
+      <bsdf type="dielectric"><float name="ior" value="1"/><float name="roughness" value="0.5"/>
+      <float name="transmission_depth" value="1"/><rgb name="transmission_color" value="0.5"/>
+      <integer name="priority" value="1"/></bsdf></shape>
+      <shape type="cube"><transform name="to_world"><scale x="30" y="30" z="0.5"/></transform>
+      <integer name="priority" value="5"/><bsdf type="null"/></shape>)";
+  const TestScene scene = loadScene(manyBounces, {.fov = 10}, content);
+  // Without a change of index a rough boundary bends nothing.
+  EXPECT_TRUE(shows(
+      scene, *scene.render(4096),
+      [&](const Ray<World>& ray) {
+        return Color(static_cast<float>(std::pow(0.5, 1 / static_cast<double>(ray.direction.z))));
+      },
+      0.01));
+}
+
 }  // namespace
 }  // namespace aerosol::test

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/volume/segment_stream.h"
 #include "tests/statistical/tracker_cases.h"
 
 // Where trackers break: segments without length, at the end of float's digits and without end; extinction from 0 to
@@ -140,13 +141,26 @@ TEST(TrackersFarOut, FlightsShorterThanTheLastDigitAddUp) {
   EXPECT_TRUE(agrees(ratio, std::exp(-1)));
 }
 
+/// One span that is given once.
+class OneSpan final : public volume::SpanSource {
+ public:
+  explicit OneSpan(const volume::MediumSpan& span) : span_(span) {}
+  const volume::MediumSpan* peek(double limit) override { return !isTaken_ && span_.t0 < limit ? &span_ : nullptr; }
+  void pop() override { isTaken_ = true; }
+
+ private:
+  volume::MediumSpan span_;
+  bool isTaken_ = false;
+};
+
 TEST_P(HardCases, SegmentThatBeginsAndEndsAtInfinityHasNoLength) {
-  // SegmentList drops such spans; there is no segment to sample.
-  volume::SegmentList list;
+  // Such spans are dropped; there is no segment to sample.
   const Medium medium;
-  const volume::MediumSpan span{infinity, infinity, &medium};
-  list.assign({&span, 1});
-  EXPECT_TRUE(list.segments().empty());
+  OneSpan source({infinity, infinity, &medium});
+  volume::SegmentStream stream;
+  stream.begin(source);
+  volume::Segment segment;
+  EXPECT_FALSE(stream.next(segment));
 }
 
 TEST_P(HardCases, InfiniteFog) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <vector>
 
+#include "core/grid/module/dense_file.h"
 #include "core/grid/module/nano_grid.h"
 #include "core/grid/module/table.h"
 
@@ -31,18 +32,22 @@ std::unique_ptr<const VoxelFile> read(const std::string& path, std::string& mess
     std::ifstream stream(path, std::ios::binary);
     stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     std::vector<std::unique_ptr<VoxelGrid>> grids;
-    openvdb::io::Stream file(stream, false);
-    const auto all = file.getGrids();
-    for (const auto& grid : *all) grids.push_back(makeGrid(*grid));
+    if (isDenseFile(stream)) {
+      grids.push_back(makeGrid(*readDenseFile(stream)));
+    } else {
+      openvdb::io::Stream file(stream, false);
+      const auto all = file.getGrids();
+      for (const auto& grid : *all) grids.push_back(makeGrid(*grid));
+    }
     if (grids.empty()) {
       message = "the file has no grids";
       return nullptr;
     }
     return std::make_unique<const File>(std::move(grids));
   } catch (const std::ios_base::failure&) {
-    message = "cannot read the OpenVDB file: it ends too early or cannot be opened";
+    message = "cannot read the voxel file: it ends too early or cannot be opened";
   } catch (const std::exception& error) {
-    message = std::string("cannot read the OpenVDB file: ") + error.what();
+    message = std::string("cannot read the voxel file: ") + error.what();
   }
   return nullptr;
 }

@@ -61,6 +61,7 @@ class DescribedGrid final : public VoxelGrid {
   VoxelRange range(VoxelInterpolation, const std::array<double, 3>&, const std::array<double, 3>&, int) const override {
     return {};
   }
+  std::vector<VoxelBox> activeBoxes() const override { return {}; }
 
  private:
   VoxelGridInfo info_;
@@ -105,7 +106,54 @@ class NanoGrid final : public VoxelGrid {
     return widened(total_[static_cast<std::size_t>(channel)], interpolation);
   }
 
+  std::vector<VoxelBox> activeBoxes() const override {
+    std::vector<VoxelBox> boxes;
+    const Tree& tree = grid_->tree();
+    const auto* root = tree.root().data();
+    for (std::uint32_t t = 0; t < root->mTableSize; ++t) {
+      const auto* tile = root->tile(t);
+      if (!tile->isChild() && tile->isActive()) addCube(tile->origin(), 4096, boxes);
+    }
+    for (std::uint32_t i = 0; i < tree.nodeCount(2); ++i) addActiveTiles(tree.template getFirstNode<2>()[i], boxes);
+    for (std::uint32_t i = 0; i < tree.nodeCount(1); ++i) addActiveTiles(tree.template getFirstNode<1>()[i], boxes);
+    for (std::uint32_t i = 0; i < tree.nodeCount(0); ++i) addLeaf(tree.template getFirstNode<0>()[i], boxes);
+    return boxes;
+  }
+
  private:
+  static void addCube(const nanovdb::Coord& origin, std::int32_t edge, std::vector<VoxelBox>& boxes) {
+    VoxelBox& box = boxes.emplace_back();
+    for (std::size_t r = 0; r < 3; ++r) {
+      box.least[r] = origin[static_cast<unsigned>(r)];
+      box.greatest[r] = box.least[r] + edge - 1;
+    }
+  }
+
+  template <class Node>
+  static void addActiveTiles(const Node& node, std::vector<VoxelBox>& boxes) {
+    for (std::uint32_t n = 0; n < Node::SIZE; ++n) {
+      if (!node.data()->isChild(n) && node.data()->isActive(n))
+        addCube(node.offsetToGlobalCoord(n), Node::ChildNodeType::DIM, boxes);
+    }
+  }
+
+  template <class Leaf>
+  static void addLeaf(const Leaf& leaf, std::vector<VoxelBox>& boxes) {
+    VoxelBox box;
+    bool isEmpty = true;
+    for (std::uint32_t n = 0; n < Leaf::SIZE; ++n) {
+      if (!leaf.data()->mValueMask.isOn(n)) continue;
+      const nanovdb::Coord at = leaf.offsetToGlobalCoord(n);
+      for (std::size_t r = 0; r < 3; ++r) {
+        const std::int32_t place = at[static_cast<unsigned>(r)];
+        box.least[r] = isEmpty ? place : std::min(box.least[r], place);
+        box.greatest[r] = isEmpty ? place : std::max(box.greatest[r], place);
+      }
+      isEmpty = false;
+    }
+    if (!isEmpty) boxes.push_back(box);
+  }
+
   /// One stored value that stands for `count` voxels.
   void addValue(const ValueT& value, bool isActive, std::uint64_t count) {
     float floats[channels];

@@ -37,9 +37,10 @@ DistanceSample sampleHomogeneous(const Segment& segment, Color throughput, R& ra
   const Color transmittance = exp(sum.sigmaT * -distance);
   const float pdf = channels.mix(sum.sigmaT * transmittance);
   sample.logPdf = std::log(static_cast<double>(pdf));
-  LobeChoice lobes;
-  for (const Medium* medium : segment.media) lobes.add(*medium, *medium->constant);
-  lobes.choose(transmittance / pdf, random.next(), sample);
+  const auto forEach = [&](auto&& use) {
+    for (const Medium* medium : segment.media) use(*medium, *medium->constant);
+  };
+  chooseLobe(forEach, transmittance / pdf, random.next(), sample);
   return sample;
 }
 

@@ -70,7 +70,8 @@ bool survivesTrackerRoulette(Color& weight, float size, R& random) {
 /// The way from one tentative collision to the next through the stretches of a segment.
 class TentativeFlight {
  public:
-  TentativeFlight(const Segment& segment, const Ray<World>& ray) : walk_(segment, ray), t_(segment.t0) {}
+  TentativeFlight(const Segment& segment, const Ray<World>& ray, FrameStack& memory)
+      : walk_(segment, ray, memory), t_(segment.t0) {}
 
   /// Flies on by an optical distance. False when the segment's end comes first. `emission` takes the light of known
   /// media on the way, for unit weight: on each stretch its expected value over all flights, ∫ ε exp(-μ̄ s) ds.
@@ -114,7 +115,7 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
   DistanceSample sample;
   sample.pdfKind = PdfKind::joint;
   const ChannelMixture channels(throughput);
-  TentativeFlight flight(segment, ray);
+  TentativeFlight flight(segment, ray, evaluator.frames());
   LogProduct choices;  // Of the chain: μ̄ and the probability of what happened, for each collision.
   Color weight(1.0f);
   for (int step = 0;; ++step) {
@@ -153,7 +154,7 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
       sample.t = flight.t();
       choices.multiply(bound * scatterProbability);
       sample.logPdf = choices.logarithm() - flight.depth();
-      walk.lobes(answers).choose(weight / (bound * scatterProbability), random.next(), sample);
+      walk.chooseLobe(answers, weight / (bound * scatterProbability), random.next(), sample);
       co_return sample;
     }
     const float nullProbability = 1 - scatterProbability;

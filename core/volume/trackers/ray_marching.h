@@ -103,11 +103,11 @@ Task<DistanceSample> sampleByMarching(E& evaluator, Ray<World> ray, Segment segm
   MarchedDistance marched(throughput, random.next());
   DistanceSample sample;
   Color weight;
-  SegmentWalk walk(segment, ray);
+  SegmentWalk walk(segment, ray, evaluator.frames());
   for (double t = segment.t0;;) {
     if (walk.isKnown()) {
       if (marched.add(walk.known(), t, walk.end() - t, sample, weight)) {
-        walk.lobes({}).choose(weight, random.next(), sample);
+        walk.chooseLobe({}, weight, random.next(), sample);
         co_return sample;
       }
       t = walk.end();
@@ -129,16 +129,19 @@ Task<DistanceSample> sampleByMarching(E& evaluator, Ray<World> ray, Segment segm
         const std::span<const Coefficients> answers = co_await evaluator.answers();
         std::size_t next = 0;
         for (int i = 0; i < group; ++i) {
-          LobeChoice lobes;
+          const std::size_t first = next;
           CoefficientSum sum;
           for (const Medium* medium : segment.media) {
-            const Coefficients& part = medium->constant ? *medium->constant : answers[next++];
-            sum.add(part);
-            lobes.add(*medium, part);
+            sum.add(medium->constant ? *medium->constant : answers[next++]);
           }
           if (!marched.add(sum, t + (cell + i) * cells.step, cells.step, sample, weight)) continue;
           sample.t = std::min(sample.t, end);
-          lobes.choose(weight, random.next(), sample);
+          const auto forEach = [&](auto&& use) {
+            std::size_t answer = first;
+            for (const Medium* medium : segment.media)
+              use(*medium, medium->constant ? *medium->constant : answers[answer++]);
+          };
+          chooseLobe(forEach, weight, random.next(), sample);
           co_return sample;
         }
       }

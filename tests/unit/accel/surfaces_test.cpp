@@ -416,7 +416,7 @@ TEST(Surfaces, EveryInstructionSetAndThreadGivesTheSameHits) {
   for (const char* isa : {"sse2", "sse4.2", "avx", "avx2", "avx512", ""}) {
     SceneBuilder builder;
     ASSERT_TRUE(builder.addMesh(mesh));
-    auto scene = builder.build({isa});
+    auto scene = builder.build({.embreeIsa = isa});
     if (!scene) continue;
     if (*isa) EXPECT_EQ(scene->isa(), isa);
     const auto keys = trace(*scene);
@@ -430,7 +430,7 @@ TEST(Surfaces, EveryInstructionSetAndThreadGivesTheSameHits) {
   }
   ASSERT_FALSE(first.empty());
   SceneBuilder builder;
-  const auto unknown = builder.build({"mmx"});
+  const auto unknown = builder.build({.embreeIsa = "mmx"});
   ASSERT_FALSE(unknown);
   EXPECT_NE(unknown.errors().entries()[0].notes.at(0).find("avx2"), std::string::npos);
 }

@@ -1,9 +1,13 @@
 // Volumes of voxel grids: where they are, and what is wrong with their files.
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
 
 #include "core/accel/volume_shape.h"
 #include "core/render/registry.h"
+#include "core/render/scene_services.h"
 #include "plugins/registration.h"
 
 namespace aerosol::render {
@@ -15,14 +19,34 @@ class GridVolumes : public testing::Test {
 
   Result<std::unique_ptr<const accel::VolumeShape>> make(const std::string& file, const std::string& grid) {
     volume_.type = "grid";
-    volume_.parameters = {{"filename", file}, {"grid", grid}};
+    volume_.parameters = {{"filename", file}, {"grid", grid},  {"interpolation", std::string("tricubic")},
+                          {"frame", frame_},  {"blend", true}, {"frame_offset", -1.0f}};
     volume_.origin.location = {"scene.xml", 7, 5};
-    const std::vector<std::filesystem::path> folders = {AEROSOL_SOURCE_DIR "/tests/language/textures"};
+    const std::vector<std::filesystem::path> folders = {AEROSOL_SOURCE_DIR "/tests/language/textures", folder_};
+    services_ = makeServices({folders, 16});
     const Transform<World, Object> toWorld({{{2, 0, 0, 10}, {0, 2, 0, 0}, {0, 0, 2, 0}, {0, 0, 0, 1}}},
                                            {{{0.5, 0, 0, -5}, {0, 0.5, 0, 0}, {0, 0, 0.5, 0}, {0, 0, 0, 1}}});
-    return registry_.volume("grid")->make({volume_, toWorld, folders, warnings_});
+    return registry_.volume("grid")->make({volume_, toWorld, folders, warnings_, services_.get()});
   }
 
+  /// A file of Mitsuba's form with 2 x 1 x 1 voxels over [0, 4] x [0, 1] x [0, 1].
+  void writeDense(const std::string& name, float first, float second) {
+    std::ofstream stream(folder_ / name, std::ios::binary);
+    const auto put = [&](auto value) { stream.write(reinterpret_cast<const char*>(&value), sizeof value); };
+    stream << "VOL" << '\3';
+    for (const std::int32_t value : {1, 2, 1, 1, 1}) put(value);
+    for (const float value : {0.0f, 0.0f, 0.0f, 4.0f, 1.0f, 1.0f, first, second}) put(value);
+  }
+
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  const std::filesystem::path folder_ = [] {
+    auto folder = std::filesystem::temp_directory_path() / ("aerosol_grid_volume_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder);
+    return folder;
+  }();
+  std::unique_ptr<shading::Services> services_;
+  float frame_ = 0;
   Registry registry_;
   scene::Volume volume_;
   Diagnostics warnings_;
@@ -51,6 +75,68 @@ TEST_F(GridVolumes, BoxAroundTheVoxels) {
   intervals.clear();
   (*made)->intersect(ray, intervals);
   EXPECT_TRUE(intervals.empty());
+}
+
+TEST_F(GridVolumes, SeveralGridsTogether) {
+  const auto made = make("steps.vdb", "density, velocity");
+  ASSERT_TRUE(made) << format(made.errors());
+  EXPECT_NEAR((*made)->worldBounds().upper.x, 15, 1e-5);
+}
+
+TEST_F(GridVolumes, DenseFiles) {
+  writeDense("two.vol", 3, 5);
+  const auto made = make("two.vol", "");
+  ASSERT_TRUE(made) << format(made.errors());
+  // Voxels of length 2, two more on each side.
+  EXPECT_NEAR((*made)->objectBounds().lower.x, -3, 1e-5);
+  EXPECT_NEAR((*made)->objectBounds().upper.x, 7, 1e-5);
+  std::string message;
+  const VoxelFile* file = services_->voxels("two.vol", message);
+  ASSERT_TRUE(file) << message;
+  const float x[] = {0.1f, 1, 2, 3, 3.9f}, half[] = {0.5f, 0.5f, 0.5f, 0.5f, 0.5f};
+  float values[5];
+  file->grids()[0]->sample(VoxelInterpolation::trilinear, 5, x, half, half, values);
+  const float expected[] = {3, 3, 4, 5, 5};  // The outermost values hold up to the faces.
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(values[i], expected[i], 1e-6) << i;
+  std::filesystem::resize_file(folder_ / "two.vol", 52);
+  const auto cut = make("two.vol", "");
+  ASSERT_FALSE(cut);
+  EXPECT_EQ(cut.errors().entries()[0].location.line, 7);
+  EXPECT_NE(format(cut.errors()).find("ends too early"), std::string::npos);
+}
+
+TEST_F(GridVolumes, NumberedFiles) {
+  writeDense("f.0006.vol", 1, 1);
+  writeDense("f.0007.vol", 1, 1);
+  frame_ = 7;  // The offset of -1 makes 6 of it.
+  EXPECT_TRUE(make("f.%04d.vol", ""));
+  frame_ = 7.5f;
+  EXPECT_TRUE(make("f.%04d.vol", ""));
+  frame_ = 8.5f;
+  const auto missing = make("f.%04d.vol", "");
+  ASSERT_FALSE(missing);
+  EXPECT_NE(format(missing.errors()).find("f.0008.vol"), std::string::npos);
+  EXPECT_FALSE(make("f.%s.vol", ""));
+  EXPECT_FALSE(make("f.%04d.%d.vol", ""));
+}
+
+TEST_F(GridVolumes, ValuesThatAreNoNumbersAreReported) {
+  writeDense("bad.vol", std::numeric_limits<float>::quiet_NaN(), 1);
+  ASSERT_TRUE(make("bad.vol", ""));
+  ASSERT_EQ(warnings_.entries().size(), 1u);
+  EXPECT_EQ(warnings_.entries()[0].location.line, 7);
+}
+
+TEST_F(GridVolumes, AbsurdSizes) {
+  writeDense("huge.vol", 1, 1);
+  std::fstream stream(folder_ / "huge.vol", std::ios::binary | std::ios::in | std::ios::out);
+  stream.seekp(8);
+  const std::int32_t huge = 0x7fffffff;
+  stream.write(reinterpret_cast<const char*>(&huge), 4);
+  stream.close();
+  const auto made = make("huge.vol", "");
+  ASSERT_FALSE(made);
+  EXPECT_NE(format(made.errors()).find("makes no sense"), std::string::npos);
 }
 
 TEST_F(GridVolumes, WhatIsWrongIsSaid) {

@@ -46,7 +46,7 @@ class Volumes : public testing::TestWithParam<Shape> {
     for (const scene::ParameterSpec& spec : registry_.volume(volume.type)->described.parameters) {
       volume.parameters.push_back({spec.name, *spec.defaultValue});
     }
-    auto made = registry_.volume(volume.type)->make({volume, toWorld, {}, warnings_});
+    auto made = registry_.volume(volume.type)->make({volume, toWorld, {}, warnings_, nullptr});
     EXPECT_TRUE(made);
     return std::move(*made);
   }
@@ -160,7 +160,7 @@ TEST(VolumeTypes, segmentsPlaceTheirEnds) {
     EXPECT_NEAR(length(toWorld(Vector<Object>(1, 0, 0))), 0.5f, 1e-6f);
     volume.parameters[1].value = volume.parameters[0].value;
     Diagnostics warnings;
-    EXPECT_FALSE(registry.volume(type)->make({volume, toWorld, {}, warnings}));
+    EXPECT_FALSE(registry.volume(type)->make({volume, toWorld, {}, warnings, nullptr}));
   }
 }
 

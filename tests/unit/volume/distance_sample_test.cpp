@@ -20,10 +20,11 @@ Coefficients withLobes(std::initializer_list<Lobe> lobes) {
 
 /// Of constant media and one that is answered for.
 DistanceSample chooseLobe(std::span<const Medium* const> media, const Coefficients& answer, Color weight, float u) {
-  LobeChoice lobes;
-  for (const Medium* medium : media) lobes.add(*medium, medium->constant ? *medium->constant : answer);
   DistanceSample sample;
-  lobes.choose(weight, u, sample);
+  const auto forEach = [&](auto&& use) {
+    for (const Medium* medium : media) use(*medium, medium->constant ? *medium->constant : answer);
+  };
+  volume::chooseLobe(forEach, weight, u, sample);
   return sample;
 }
 
@@ -61,7 +62,6 @@ TEST_F(ChooseLobe, WeightsAddUpToAllScattering) {
   EXPECT_NEAR(mean.b, 0.5f * 5, 5e-3);
 }
 
-/// More media than a choice has room for without memory of its own.
 TEST(ChooseLobeEdges, OfManyMedia) {
   std::vector<Medium> media(9);
   std::vector<const Medium*> pointers;

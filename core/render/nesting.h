@@ -1,0 +1,37 @@
+// What a path meets where media nest: one face, or several that coincide, judged by what is inside of them.
+#pragma once
+
+#include <optional>
+
+#include "core/accel/hit.h"
+#include "core/render/path_context.h"
+#include "core/volume/medium_stack.h"
+#include "core/volume/task.h"
+
+namespace aerosol::render {
+
+/// Faces that a ray meets in one place.
+struct Nesting {
+  accel::SurfaceHit face;  ///< Whose closures hold; its answer is the path's.
+  bool isInterface =
+      false;  ///< Something is inside of the faces: `crossing` is set, `path.mediaBehind` is what is behind.
+  volume::Crossing crossing;
+  accel::HitKey last;                      ///< Of the last face.
+  volume::StackStatistics crossed;         ///< What crossing them counts.
+  std::optional<accel::SurfaceHit> below;  ///< A surface without inside that the faces lie on: met next behind them.
+};
+
+/// Asks the material of a hit, and those of all faces with an inside that coincide with it.
+///
+/// Faces that are nearer to each other than rays can tell are crossed together, in the order of (object, primitive):
+/// the interface is that between the media before the first and behind the last, as if there was one surface between
+/// them, and the closures are those of the face whose interior rules on either side, of two the stronger.
+volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::SurfaceHit hit);
+
+/// Crosses what `findNesting` found.
+void crossNesting(PathContext& path, const Nesting& nesting);
+
+/// What is inside of a surface that only bounds media.
+volume::Interior boundaryInterior(const PreparedScene& scene, std::uint32_t object);
+
+}  // namespace aerosol::render
