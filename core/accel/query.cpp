@@ -40,6 +40,10 @@ class Query {
     initContext(context_);
     context_.query = this;
     spans.clear();
+    if (!scene.shutter.isInstant()) {
+      const float time = (ray.time - scene.shutter.open) / (scene.shutter.close - scene.shutter.open);
+      embreeTime_ = std::clamp(time, 0.0f, 1.0f);
+    }
     double reach = 0;
     if (!scene.bounds.isEmpty()) {
       const Double3 lower = toDouble(scene.bounds.lower), upper = toDouble(scene.bounds.upper);
@@ -116,15 +120,53 @@ class Query {
     if (!scene_.volumes[volume]->intersect(ray_, recorder)) ++counters_.openVolumes;
   }
 
-  float embreeFar() const { return floatAbove((hasBest_ ? best_.t : end_) + slack_); }
-  const DoubleRay& exactRay() const { return exact_; }
+  float embreeFar() const { return floatAbove((hasBest_ ? best_.t : end_) + slack_ - shift_); }
+  /// The ray in the space of the triangles that are being asked for.
+  const DoubleRay& exactRay() const { return *current_; }
+  float time() const { return ray_.time; }
+
+  /// Calls `ask(embreeRay, context)` with the ray in the space of a mesh that moves, near to the mesh.
+  template <class Ask>
+  void inMotion(const SurfaceMotion& motion, Ask&& ask) {
+    const DoubleRay back = takeBack(motion.placement.at(ray_.time), exact_);
+    const double speed = length(back.direction), outerSlack = slack_;
+    const Double3 lower = toDouble(motion.atRest.lower), upper = toDouble(motion.atRest.upper);
+    current_ = &back;
+    shift_ = std::fmax(nearestDistance(back, motion.atRest) - length(upper - lower) / speed, 0);
+    const Double3 start = back.origin + back.direction * shift_;
+    slack_ = std::fmax(slack_, (length(upper - lower) + length(start - lower) + length(lower)) / speed * 0x1p-20);
+    RTCRay r = makeRay();
+    r.org_x = static_cast<float>(start.x);
+    r.org_y = static_cast<float>(start.y);
+    r.org_z = static_cast<float>(start.z);
+    r.dir_x = static_cast<float>(back.direction.x);
+    r.dir_y = static_cast<float>(back.direction.y);
+    r.dir_z = static_cast<float>(back.direction.z);
+    r.tnear = std::fmax(floatBelow(begin_ - slack_ - shift_), 0.0f);
+    QueryContext context;
+    initContext(context);
+    context.query = this;
+    if (r.tnear <= r.tfar) ask(r, context);
+    current_ = &exact_;
+    shift_ = 0;
+    slack_ = outerSlack;
+  }
   const SceneData& scene() const { return scene_; }
 
   std::optional<SurfaceHit> hit() const {
     if (!hasBest_) return {};
     const Surface& surface = scene_.surfaces[best_.object];
-    SurfaceHit hit = surface.mesh ? describeHit(*surface.mesh, best_.primitive, exact_, best_.t)
-                                  : describeHit(*surface.analytic, exact_, best_.t);
+    SurfaceHit hit;
+    if (surface.motion) [[unlikely]] {
+      const Transform<World, Object> placement = surface.motion->placement.at(ray_.time);
+      const DoubleRay back = takeBack(placement, exact_);
+      hit = placeHit(surface.mesh ? describeHit(*surface.mesh, best_.primitive, back, best_.t)
+                                  : describeHit(*surface.analytic, back, best_.t),
+                     placement);
+    } else {
+      hit = surface.mesh ? describeHit(*surface.mesh, best_.primitive, exact_, best_.t)
+                         : describeHit(*surface.analytic, exact_, best_.t);
+    }
     hit.hasCompany = nextT_ - best_.t <= slack_;
     return hit;
   }
@@ -153,9 +195,12 @@ class Query {
   bool isRepeated(const HitKey& key, const HitKey& first) const {
     if (key.object != first.object || key.t - first.t > edgeSlack_) return false;
     if (key.primitive == first.primitive) return key.t == first.t;
-    const TriangleMesh& mesh = scene_.surfaces[key.object].mesh->mesh;
-    return areNeighbours(mesh, key.primitive, first.primitive) &&
-           entersAt(mesh, key.primitive, exact_) == entersAt(mesh, first.primitive, exact_);
+    const Surface& surface = scene_.surfaces[key.object];
+    const TriangleMesh& mesh = surface.mesh->mesh;
+    if (!areNeighbours(mesh, key.primitive, first.primitive)) return false;
+    if (!surface.motion) return entersAt(mesh, key.primitive, exact_) == entersAt(mesh, first.primitive, exact_);
+    const DoubleRay back = takeBack(surface.motion->placement.at(ray_.time), exact_);
+    return entersAt(mesh, key.primitive, back) == entersAt(mesh, first.primitive, back);
   }
 
   /// Drops every interface that repeats the last kept one of its object.
@@ -182,7 +227,7 @@ class Query {
     r.dir_z = ray_.direction.z;
     r.tnear = std::fmax(floatBelow(begin_ - slack_), 0.0f);
     r.tfar = embreeFar();
-    r.time = 0;
+    r.time = embreeTime_;
     r.mask = ~0u;
     return r;
   }
@@ -206,6 +251,9 @@ class Query {
   const SceneData& scene_;
   const Ray<World>& ray_;
   DoubleRay exact_;
+  const DoubleRay* current_ = &exact_;
+  double shift_ = 0;  ///< Of Embree's distances.
+  float embreeTime_ = 0;
   const HitKey* after_;
   double begin_, end_;
   double slack_ = 0, edgeSlack_ = 0;
@@ -278,6 +326,67 @@ void recordShadowVolume(const RTCOccludedFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
   Query& query = Query::of(arguments->context);
   query.record(query.scene().bounded[arguments->primID]);
+}
+
+void intersectMoving(const RTCIntersectFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  const Surface& surface = query.scene().surfaces[query.scene().movingSurfaces[arguments->primID]];
+  bool isHit = false;
+  if (surface.mesh) {
+    query.inMotion(*surface.motion, [&](const RTCRay& ray, EmbreeContext& context) {
+      RTCRayHit embreeRay{};
+      embreeRay.ray = ray;
+      embreeRay.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      embreeRay.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      intersectRay(surface.motion->mesh, context, embreeRay);
+      isHit = embreeRay.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    });
+  } else {
+    const DoubleRay back = takeBack(surface.motion->placement.at(query.time()), query.exactRay());
+    const Crossings crossings = intersect(*surface.analytic, back);
+    for (int i = 0; i < crossings.count; ++i) {
+      const bool isBest = query.offer({crossings.t[i], surface.analytic->passThrough, surface.analytic->object, 0});
+      isHit = isHit || isBest;
+    }
+  }
+  if (!isHit) return;
+  RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0) = query.embreeFar();
+  RTCHitN_geomID(RTCRayHitN_HitN(arguments->rayhit, arguments->N), arguments->N, 0) = arguments->geomID;
+}
+
+void occludeMoving(const RTCOccludedFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  const Surface& surface = query.scene().surfaces[query.scene().movingSurfaces[arguments->primID]];
+  bool isBlocked = false;
+  if (surface.mesh) {
+    query.inMotion(*surface.motion, [&](RTCRay ray, EmbreeContext& context) {
+      occludeRay(surface.motion->mesh, context, ray);
+      isBlocked = ray.tfar < 0;
+    });
+  } else {
+    const DoubleRay back = takeBack(surface.motion->placement.at(query.time()), query.exactRay());
+    const Crossings crossings = intersect(*surface.analytic, back);
+    for (int i = 0; i < crossings.count && !isBlocked; ++i) {
+      const double t = crossings.t[i];
+      const auto entering = [&] { return entersAt(*surface.analytic, back, t); };
+      isBlocked = query.offerShadow({t, surface.analytic->passThrough, surface.analytic->object, 0}, entering);
+    }
+  }
+  if (isBlocked) RTCRayN_tfar(arguments->ray, arguments->N, 0) = -std::numeric_limits<float>::infinity();
+}
+
+void recordMovingVolume(const RTCIntersectFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  query.record(query.scene().movingVolumes[arguments->primID]);
+}
+
+void recordMovingShadowVolume(const RTCOccludedFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  query.record(query.scene().movingVolumes[arguments->primID]);
 }
 
 std::optional<SurfaceHit> Scene::closestHit(const Ray<World>& ray, SpanBuffer& spans, Counters& counters,

@@ -11,6 +11,7 @@
 #include "core/accel/mesh.h"
 #include "core/accel/volume_partition.h"
 #include "core/accel/volume_shape.h"
+#include "core/base/motion.h"
 #include "core/base/phase.h"
 #include "core/base/result.h"
 
@@ -40,6 +41,7 @@ struct SceneOptions {
   /// differ in the last bit between two of them.
   std::string embreeIsa;
   OverlapDesign overlap = OverlapDesign::split;
+  Shutter shutter = {};  ///< Rays' times lie in it. What moves needs one that is open for some time.
 };
 
 /// The design that measurements speak for (tests/bench/overlap_bench.cpp): the partition where a line through all
@@ -73,11 +75,11 @@ class Scene {
   /// HitKey; if so, both are empty.
   bool occluded(const Ray<World>& ray, SpanBuffer& spans, InterfaceBuffer& interfaces, Counters& counters) const;
 
-  /// Bounds of every surface and of every finite volume.
+  /// Bounds of every surface and of every finite volume while the shutter is open.
   Box<World> bounds() const;
   ObjectId objectCount() const;
   VolumeId volumeCount() const;
-  /// The mesh of an object with its normals resolved; null for spheres and disks.
+  /// The mesh of an object with its normals resolved, of one that moves in its own space; null for spheres and disks.
   const TriangleMesh* mesh(ObjectId object) const;
   Box<World> surfaceBounds(ObjectId object) const;
   const VolumeShape& volume(VolumeId volume) const;
@@ -115,6 +117,13 @@ class SceneBuilder {
 
   /// What `chooseOverlapDesign` says of the volumes added so far.
   OverlapDesign preferredOverlapDesign() const;
+  // The same where `toWorld` changes with time; meshes and volumes are given in the space that moves.
+  Result<ObjectId> addMesh(TriangleMesh mesh, const MovingTransform<World, Object>& toWorld, bool passThrough = false);
+  Result<ObjectId> addSphere(const MovingTransform<World, Object>& toWorld, bool passThrough = false,
+                             bool flipNormals = false);
+  Result<ObjectId> addDisk(const MovingTransform<World, Object>& toWorld, bool passThrough = false,
+                           bool flipNormals = false);
+  Result<VolumeId> addVolume(std::unique_ptr<const VolumeShape> volume, const MovingTransform<World, Object>& toWorld);
 
   /// Builds the acceleration structure on all cores; the builder is empty afterwards.
   Result<Scene> build(const SceneOptions& options = {});

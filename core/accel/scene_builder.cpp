@@ -58,16 +58,27 @@ void volumeBounds(const RTCBoundsFunctionArguments* arguments) {
   *arguments->bounds_o = paddedBounds(data.volumes[data.bounded[arguments->primID]]->worldBounds());
 }
 
-void attach(const SceneData& data, RTCGeometry geometry) {
+void movingSurfaceBounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto& data = *static_cast<const SceneData*>(arguments->geometryUserPtr);
+  const auto& steps = data.surfaces[data.movingSurfaces[arguments->primID]].motion->steps;
+  *arguments->bounds_o = paddedBounds(steps[arguments->timeStep]);
+}
+
+void movingVolumeBounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto& data = *static_cast<const SceneData*>(arguments->geometryUserPtr);
+  *arguments->bounds_o = paddedBounds(data.movingShapes[arguments->primID]->steps()[arguments->timeStep]);
+}
+
+void attach(RTCScene scene, RTCGeometry geometry) {
   rtcCommitGeometry(geometry);
-  rtcAttachGeometry(data.scene, geometry);
+  rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
 }
 
 static_assert(sizeof(Point<World>) == 3 * sizeof(float) && sizeof(std::array<std::uint32_t, 3>) == 12);
 
 /// The buffers are shared with Embree, which reads 16 bytes from the last vertex on: addMesh saw to the room.
-void attachMesh(const SceneData& data, const MeshSurface& surface) {
+void attachMesh(const SceneData& data, const MeshSurface& surface, RTCScene scene) {
   const TriangleMesh& mesh = surface.mesh;
   if (mesh.triangles.empty()) return;
   RTCGeometry geometry = rtcNewGeometry(data.device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -78,19 +89,20 @@ void attachMesh(const SceneData& data, const MeshSurface& surface) {
   rtcSetGeometryUserData(geometry, const_cast<MeshSurface*>(&surface));
   rtcSetGeometryIntersectFilterFunction(geometry, acceptTriangle);
   rtcSetGeometryOccludedFilterFunction(geometry, acceptShadowTriangle);
-  attach(data, geometry);
+  attach(scene, geometry);
 }
 
 void attachUser(const SceneData& data, std::size_t count, RTCBoundsFunction bounds, RTCIntersectFunctionN intersect,
-                RTCOccludedFunctionN occluded) {
+                RTCOccludedFunctionN occluded, std::size_t steps = 1) {
   if (count == 0) return;
   RTCGeometry geometry = rtcNewGeometry(data.device, RTC_GEOMETRY_TYPE_USER);
+  if (steps > 1) rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(steps));
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(count));
   rtcSetGeometryUserData(geometry, const_cast<SceneData*>(&data));
   rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
   rtcSetGeometryIntersectFunction(geometry, intersect);
   rtcSetGeometryOccludedFunction(geometry, occluded);
-  attach(data, geometry);
+  attach(data.scene, geometry);
 }
 
 void extend(Box<World>& bounds, const Box<World>& box) {
@@ -100,7 +112,14 @@ void extend(Box<World>& bounds, const Box<World>& box) {
 
 /// Sorts the primitives into the tables of `data` and takes the bounds of all of them.
 void indexPrimitives(SceneData& data) {
-  for (const Surface& surface : data.surfaces) {
+  for (ObjectId i = 0; i < data.surfaces.size(); ++i) {
+    const Surface& surface = data.surfaces[i];
+    if (surface.motion) {
+      if (surface.motion->atRest.isEmpty()) continue;
+      data.movingSurfaces.push_back(i);
+      for (const Box<World>& step : surface.motion->steps) extend(data.bounds, step);
+      continue;
+    }
     if (surface.analytic) {
       data.analytic.push_back(surface.analytic.get());
       extend(data.bounds, surface.analytic->worldBounds());
@@ -117,9 +136,48 @@ void indexPrimitives(SceneData& data) {
       data.unbounded.push_back(i);
       continue;
     }
-    data.bounded.push_back(i);
     extend(data.bounds, box);
+    const auto* moving = dynamic_cast<const MovingVolume*>(data.volumes[i].get());
+    if (moving && data.overlap == OverlapDesign::partition) {
+      data.unbounded.push_back(i);  // The partition is of space at one time.
+      continue;
+    }
+    if (moving) {
+      data.movingShapes.push_back(moving);
+      data.movingVolumes.push_back(i);
+      continue;
+    }
+    data.bounded.push_back(i);
   }
+}
+
+/// Takes the boxes of what moves while the shutter is open. The number of steps.
+std::size_t sweep(SceneData& data, const Shutter& shutter) {
+  std::size_t segments = 1;
+  for (const Surface& surface : data.surfaces) {
+    if (surface.motion) segments = std::max(segments, sweepSegments(surface.motion->placement));
+  }
+  for (const auto& motion : data.volumeMotions) {
+    if (motion) segments = std::max(segments, sweepSegments(*motion));
+  }
+  for (Surface& surface : data.surfaces) {
+    if (!surface.motion) continue;
+    SurfaceMotion& motion = *surface.motion;
+    if (surface.analytic) {
+      motion.atRest = surface.analytic->worldBounds();
+    } else {
+      for (const auto& triangle : surface.mesh->mesh.triangles) {
+        for (const std::uint32_t corner : triangle) motion.atRest.extend(surface.mesh->mesh.positions[corner]);
+      }
+    }
+    if (!motion.atRest.isEmpty()) motion.steps = sweepBounds(motion.placement, motion.atRest, shutter, segments);
+  }
+  for (VolumeId i = 0; i < data.volumes.size(); ++i) {
+    if (!data.volumeMotions[i]) continue;
+    data.volumes[i] =
+        std::make_unique<MovingVolume>(std::move(data.volumes[i]), *data.volumeMotions[i], shutter, segments);
+  }
+  return segments + 1;
 }
 
 struct IsaLevel {
@@ -200,13 +258,42 @@ Result<ObjectId> SceneBuilder::addDisk(const Transform<World, Object>& toWorld, 
   return addAnalytic(*data_, {AnalyticSurface::Kind::disk, 0, passThrough, flipNormals, toWorld});
 }
 
+namespace {
+
+/// Makes the last surface move.
+Result<ObjectId> setMotion(SceneData& data, Result<ObjectId> added, const MovingPlacement& toWorld) {
+  if (added) data.surfaces.back().motion = std::make_unique<SurfaceMotion>(toWorld);
+  return added;
+}
+
+}  // namespace
+
+Result<ObjectId> SceneBuilder::addMesh(TriangleMesh mesh, const MovingPlacement& toWorld, bool passThrough) {
+  return setMotion(*data_, addMesh(std::move(mesh), passThrough), toWorld);
+}
+Result<ObjectId> SceneBuilder::addSphere(const MovingPlacement& toWorld, bool passThrough, bool flipNormals) {
+  return setMotion(*data_, addSphere(Transform<World, Object>(), passThrough, flipNormals), toWorld);
+}
+Result<ObjectId> SceneBuilder::addDisk(const MovingPlacement& toWorld, bool passThrough, bool flipNormals) {
+  return setMotion(*data_, addDisk(Transform<World, Object>(), passThrough, flipNormals), toWorld);
+}
+Result<VolumeId> SceneBuilder::addVolume(std::unique_ptr<const VolumeShape> volume, const MovingPlacement& toWorld) {
+  auto added = addVolume(std::move(volume));
+  if (added) data_->volumeMotions.back().emplace(toWorld);
+  return added;
+}
+
 Result<VolumeId> SceneBuilder::addVolume(std::unique_ptr<const VolumeShape> volume) {
   if (hasNan(volume->worldBounds())) return makeError("the transform cannot be inverted or is not finite");
   data_->volumes.push_back(std::move(volume));
+  data_->volumeMotions.emplace_back();
   return static_cast<VolumeId>(data_->volumes.size() - 1);
 }
 
 OverlapDesign SceneBuilder::preferredOverlapDesign() const {
+  // The partition is of space at one time.
+  if (std::ranges::any_of(data_->volumeMotions, [](const auto& motion) { return motion.has_value(); }))
+    return OverlapDesign::split;
   std::vector<Box<World>> boxes;
   for (const auto& volume : data_->volumes) boxes.push_back(volume->worldBounds());
   return chooseOverlapDesign(boxes);
@@ -218,22 +305,40 @@ Result<Scene> SceneBuilder::build(const SceneOptions& options) {
   std::unique_ptr<SceneData> data = std::move(data_);
   data_ = std::make_unique<SceneData>();
   data->isa = *isa;
+  data->shutter = options.shutter;
+  data->overlap = options.overlap;
+  const std::size_t steps = sweep(*data, options.shutter);
+  for (const Surface& surface : data->surfaces) {
+    if (!surface.motion) continue;
+    if (options.shutter.isInstant()) return makeError("nothing moves while a shutter is open for no time");
+    for (const Box<World>& step : surface.motion->steps) {
+      if (!isBounded(step)) return makeError("a shape moves beyond 1e18");
+    }
+  }
   indexPrimitives(*data);
   std::vector<Box<World>> boxes;
   for (const auto& volume : data->volumes) boxes.push_back(volume->worldBounds());
-  data->overlap = options.overlap;
 
   data->device = rtcNewDevice(("isa=" + data->isa).c_str());
   if (!data->device) return makeError("Embree cannot be started");
   data->scene = rtcNewScene(data->device);
   rtcSetSceneFlags(data->scene, RTC_SCENE_FLAG_ROBUST);
   for (const Surface& surface : data->surfaces) {
-    if (surface.mesh) attachMesh(*data, *surface.mesh);
+    if (surface.mesh && !surface.motion) attachMesh(*data, *surface.mesh, data->scene);
+    if (surface.mesh && surface.motion) {
+      surface.motion->mesh = rtcNewScene(data->device);
+      rtcSetSceneFlags(surface.motion->mesh, RTC_SCENE_FLAG_ROBUST);
+      attachMesh(*data, *surface.mesh, surface.motion->mesh);
+      rtcCommitScene(surface.motion->mesh);
+    }
   }
   attachUser(*data, data->analytic.size(), analyticBounds, intersectAnalytic, occludeAnalytic);
   if (data->overlap == OverlapDesign::split) {
     attachUser(*data, data->bounded.size(), volumeBounds, recordVolume, recordShadowVolume);
   }
+  attachUser(*data, data->movingSurfaces.size(), movingSurfaceBounds, intersectMoving, occludeMoving, steps);
+  attachUser(*data, data->movingVolumes.size(), movingVolumeBounds, recordMovingVolume, recordMovingShadowVolume,
+             steps);
   rtcCommitScene(data->scene);
   if (rtcGetDeviceError(data->device) != RTC_ERROR_NONE) {
     return makeError("Embree cannot build the acceleration structure: out of memory, or too many primitives");

@@ -1,11 +1,13 @@
 // What a command line asks for, as plain data.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -130,6 +132,37 @@ struct CompileArguments {
   KernelArguments kernels;           ///< Its shader path is searched for includes.
 };
 
+/// Evenly spaced times; one of them when `count` is 1.
+struct TimeRange {
+  float first = 0, last = 0;  ///< Seconds.
+  int count = 1;
+
+  std::vector<float> times() const {
+    std::vector<float> all;
+    for (int i = 0; i < count; ++i)
+      all.push_back(count == 1 ? first
+                               : first + (last - first) * static_cast<float>(i) / static_cast<float>(count - 1));
+    return all;
+  }
+  friend bool operator==(const TimeRange&, const TimeRange&) = default;
+};
+
+struct BakeArguments {
+  std::filesystem::path shader;     ///< A file, or a name on the search path.
+  std::vector<std::string> frames;  ///< Instead of a shader: OpenVDB files, one a time.
+  std::array<float, 6> bounds{};    ///< Least corner, greatest corner; scene units.
+  double voxelSize = 0;             ///< Scene units.
+  std::string output;
+  std::vector<std::pair<std::string, std::string>> values;  ///< Of parameters.
+  TimeRange time;
+  bool temporal = false;  ///< All times in one file of curves.
+  float error = 0.01f;    ///< Largest deviation of a curve from what it stands for, in the unit of the values.
+  bool asHalf = false;
+  int threads = 0;  ///< 0: one a processor.
+  bool quiet = false;
+  KernelArguments kernels;
+};
+
 struct HelpArguments {
   std::string topic;  ///< Empty: everything in short.
   KernelArguments kernels;
@@ -147,7 +180,7 @@ struct ToolArguments {
   std::vector<std::filesystem::path> shaderPath;  ///< $AEROSOL_SHADER_PATH.
 };
 
-using Arguments = std::variant<RenderArguments, MergeArguments, StudyArguments, PlanArguments, DoctorArguments,
-                               SubmitArguments, HelpArguments, VersionArguments, ToolArguments>;
+using Arguments = std::variant<RenderArguments, BakeArguments, MergeArguments, StudyArguments, PlanArguments,
+                               DoctorArguments, SubmitArguments, HelpArguments, VersionArguments, ToolArguments>;
 
 }  // namespace aerosol::app

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/app/bake_options.h"
 #include "core/app/frames.h"
 #include "core/app/option_helpers.h"
 #include "core/app/tools/tool.h"
@@ -166,6 +167,7 @@ struct Parser {
   PlanArguments plan;
   DoctorArguments doctor;
   SubmitArguments submit;
+  BakeArguments bake;
   HelpArguments help;
   bool version = false;
 
@@ -179,6 +181,7 @@ struct Parser {
     app.require_subcommand(0, 1);
     app.add_flag("--version", version, "Show the versions of the program and its libraries");
     addRender(app, render);
+    addBake(app, bake);
     addMerge(app, merge);
     addStudy(app, study);
     addPlan(app, plan);
@@ -323,7 +326,7 @@ std::variant<Arguments, Reply> parseCommandLine(const std::vector<std::string>& 
   }
   if (parser.version) return Arguments(VersionArguments{});
   for (KernelArguments* kernels :
-       {&parser.render.kernels, &parser.study.render.kernels, &parser.plan.render.kernels,
+       {&parser.render.kernels, &parser.bake.kernels, &parser.study.render.kernels, &parser.plan.render.kernels,
         &parser.doctor.render.kernels, &parser.submit.render.kernels, &parser.help.kernels}) {
     appendSearchPath(shaderPathVariable, kernels->shaderPath);
   }
@@ -333,6 +336,11 @@ std::variant<Arguments, Reply> parseCommandLine(const std::vector<std::string>& 
   if (parser.chose("plan")) return Arguments(std::move(parser.plan));
   if (parser.chose("doctor")) return Arguments(std::move(parser.doctor));
   if (parser.chose("submit")) return Arguments(std::move(parser.submit));
+  if (parser.chose("bake")) {
+    if (const std::string problem = problemOf(parser.bake); !problem.empty())
+      return usageError(problem, "see: aerosol help bake");
+  }
+  if (parser.chose("bake")) return Arguments(std::move(parser.bake));
   if (parser.chose("help")) return Arguments(std::move(parser.help));
   return usageError("no command is given", fmt::format("commands are {}", fmt::join(commandNames(), ", ")));
 }

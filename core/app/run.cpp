@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <variant>
 
+#include "core/app/bake_command.h"
 #include "core/app/command_line.h"
 #include "core/app/doctor/doctor_command.h"
 #include "core/app/help_command.h"
@@ -27,6 +28,7 @@ struct Runner {
   ExitCode operator()(const PlanArguments& arguments) const { return planCommand(arguments, console); }
   ExitCode operator()(const DoctorArguments& arguments) const { return doctorCommand(arguments, console); }
   ExitCode operator()(const SubmitArguments& arguments) const { return submitCommand(arguments, console); }
+  ExitCode operator()(const BakeArguments& arguments) const { return bakeCommand(arguments, console); }
   ExitCode operator()(const HelpArguments& arguments) const { return helpCommand(arguments, console); }
   ExitCode operator()(const ToolArguments& arguments) const { return runTool(arguments, console); }
   ExitCode operator()(const VersionArguments&) const { return versionCommand(console); }

@@ -65,6 +65,7 @@ void addTrackers(Table& table, const render::WorkerStatistics& s) {
                           formatCount(s.media.repeatedEntries, "hit")));
   }
   if (s.invalidCoefficients > 0) table.row("invalid results", formatCount(s.invalidCoefficients));
+  if (s.invalidVelocities > 0) table.row("invalid velocities", formatCount(s.invalidVelocities));
 }
 
 /// How overlapping volume primitives are found, where that is not the simple way.

@@ -116,7 +116,7 @@ struct Ray {
   Vector<Space> direction;
   float tMin = 0;
   float tMax = std::numeric_limits<float>::infinity();
-  float time = 0;  ///< Seconds within the shutter.
+  float time = 0;  ///< Seconds of the scene's time, while the shutter is open.
 
   constexpr Point<Space> at(float t) const { return origin + direction * t; }
 };

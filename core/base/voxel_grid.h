@@ -61,7 +61,14 @@ class VoxelGrid {
   virtual void sample(VoxelInterpolation interpolation, std::size_t count, const float* x, const float* y,
                       const float* z, float* results) const = 0;
 
-  /// What `sample` can give in a box of the file's space.
+  /// The same, of grids that change, at the time of each point (seconds). Others give what they always give.
+  virtual void sampleAt(VoxelInterpolation interpolation, std::size_t count, const float* x, const float* y,
+                        const float* z, const float* times, float* results) const {
+    static_cast<void>(times);
+    sample(interpolation, count, x, y, z, results);
+  }
+
+  /// What `sample` can give, at any time, in a box of the file's space.
   virtual VoxelRange range(VoxelInterpolation interpolation, const std::array<double, 3>& lower,
                            const std::array<double, 3>& upper, int channel) const = 0;
 

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <filesystem>
 
 #include "core/base/module.h"
-#include "core/grid/module/table.h"
+#include "core/grid/module_access.h"
+#include "core/grid/temporal_file.h"
 
 namespace aerosol::grid {
 
 namespace {
+
+/// Stands in no name of a file that anybody would give.
+constexpr std::string_view continuation = "?continued=";
 
 Result<const ModuleTable*> openTable() {
   const auto module = openModule("aerosol_grid");
@@ -19,36 +24,52 @@ Result<const ModuleTable*> openTable() {
   return (*function)();
 }
 
-/// Opened by the first call.
-const Result<const ModuleTable*>& table() {
+}  // namespace
+
+const Result<const ModuleTable*>& moduleTable() {
   static const Result<const ModuleTable*> opened = openTable();
   return opened;
 }
 
-}  // namespace
+std::string continuedName(std::string_view path, std::string_view grid, int voxels) {
+  return std::string(path) + std::string(continuation) + std::to_string(voxels) + ":" + std::string(grid);
+}
 
-bool isGridFile(std::string_view path) {
+std::string_view fileOfName(std::string_view name) { return name.substr(0, name.find(continuation)); }
+
+bool isGridFile(std::string_view name) {
+  const std::string_view path = fileOfName(name);
   std::string extension = std::filesystem::path(path).extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  return extension == ".vdb" || extension == ".vol";
+  return extension == ".vdb" || extension == ".vol" || isTemporalFile(path);
 }
 
-Result<std::shared_ptr<const VoxelFile>> readGrids(const std::string& path) {
+Result<std::shared_ptr<const VoxelFile>> readGrids(const std::string& name) {
+  const std::string path(fileOfName(name));
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) {
     return Diagnostic{Severity::error, {path, 0, 0}, "there is no such file", {}, {}};
   }
-  if (!table()) return table().errors();
+  if (isTemporalFile(path)) return readTemporal(path);
+  if (!moduleTable()) return moduleTable().errors();
   std::string message;
-  auto file = (*table())->read(path, message);
+  std::string grid;
+  int voxels = 0;
+  if (path.size() < name.size()) {
+    const std::string rest = name.substr(path.size() + continuation.size());
+    const std::size_t colon = rest.find(':');
+    std::from_chars(rest.data(), rest.data() + colon, voxels);
+    grid = rest.substr(colon + 1);
+  }
+  auto file = (*moduleTable())->read(path, grid, voxels, message);
   if (!file) return Diagnostic{Severity::error, {path, 0, 0}, message, {}, {}};
   return std::shared_ptr<const VoxelFile>(std::move(file));
 }
 
 Result<std::vector<std::string>> libraryVersions() {
-  if (!table()) return table().errors();
-  return (*table())->versions();
+  if (!moduleTable()) return moduleTable().errors();
+  return (*moduleTable())->versions();
 }
 
 }  // namespace aerosol::grid

@@ -1,4 +1,4 @@
-// Voxel data of OpenVDB and Mitsuba files.
+// Voxel data of files: OpenVDB's, Mitsuba's, and those of voxels in time.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,14 @@
 
 namespace aerosol::grid {
 
-/// Whether the name's extension says that it is such a file: .vdb or .vol in any case.
+/// Whether the name's extension says that it is such a file: .vdb, .vol or .avt in any case.
 bool isGridFile(std::string_view path);
+
+/// A name for a file of which the vector grid `grid` goes on for `voxels` beyond its active ones, with the values at
+/// its rim: velocities of what is carried out of a cloud. `isGridFile` and `readGrids` take it as they take the file's.
+std::string continuedName(std::string_view path, std::string_view grid, int voxels);
+/// The file's own name of such a name, and of any other.
+std::string_view fileOfName(std::string_view name);
 
 /// Reads all grids of a file. Values of type float, half, double, int32, int64 and of vectors of three of these can be
 /// looked up, under any affine map; other grids are there with `problem` set. A .vol file is one dense grid without a

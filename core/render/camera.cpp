@@ -32,7 +32,7 @@ double horizontalTangent(const scene::FieldOfView& fov, double aspect) {
 }  // namespace
 
 Camera::Camera(const scene::Sensor& sensor, const scene::Film& film)
-    : toWorld_(sensor.toWorld),
+    : toWorld_(sensor.toWorld.at(sensor.shutter().open)),
       width_(film.width),
       height_(film.height),
       isOrthographic_(sensor.type == scene::SensorType::orthographic),
@@ -43,7 +43,9 @@ Camera::Camera(const scene::Sensor& sensor, const scene::Film& film)
       nearClip_(static_cast<double>(sensor.nearClip)),
       farClip_(static_cast<double>(sensor.farClip)),
       apertureRadius_(sensor.type == scene::SensorType::thinlens ? static_cast<double>(sensor.apertureRadius) : 0),
-      focusDistance_(static_cast<double>(sensor.focusDistance.value_or(sensor.farClip))) {}
+      focusDistance_(static_cast<double>(sensor.focusDistance.value_or(sensor.farClip))) {
+  if (auto motion = sensor.toWorld.motionDuring(sensor.shutter())) motion_.emplace(std::move(motion));
+}
 
 shading::CameraProjection Camera::projection() const {
   const double depth = farClip_ / (farClip_ - nearClip_), aspect = width_ / height_;
@@ -75,7 +77,7 @@ Ray<World> Camera::ray(const CameraSample& sample) const {
   }
   std::array<double, 3> d{0, 0, 1};
   if (!isOrthographic_) d = {sx - lensX / focusDistance_, sy - lensY / focusDistance_, 1};
-  const Matrix4& m = toWorld_.matrix();
+  const Matrix4 m = motion_ ? motion_->at(sample.time).matrix() : toWorld_.matrix();
   std::array<double, 3> origin, direction;
   for (std::size_t i = 0; i < 3; ++i) {
     origin[i] = m[i][0] * lensX + m[i][1] * lensY + m[i][3];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "core/base/geometry.h"
 #include "core/scene/description.h"
@@ -22,6 +23,11 @@ class Camera {
  public:
   Camera(const scene::Sensor& sensor, const scene::Film& film);
 
+  /// How it moves while its shutter is open, if it does.
+  const std::optional<MovingTransform<World, aerosol::Camera>>& motion() const { return motion_; }
+  /// At a time, in seconds.
+  Transform<World, aerosol::Camera> toWorld(float time) const { return motion_ ? motion_->at(time) : toWorld_; }
+
   /// Unit direction, origin on the lens. `tMin` and `tMax` lie on the clip planes, which are at right angles to the
   /// view.
   Ray<World> ray(const CameraSample& sample) const;
@@ -39,7 +45,8 @@ class Camera {
   bool hasLens() const { return apertureRadius_ > 0; }
 
  private:
-  Transform<World, aerosol::Camera> toWorld_;
+  Transform<World, aerosol::Camera> toWorld_;  ///< When the shutter opens.
+  std::optional<MovingTransform<World, aerosol::Camera>> motion_;
   double width_, height_;  ///< Pixels of the whole film.
   bool isOrthographic_;
   double tangentX_, tangentY_;  ///< Of half the angle of view; half the sides of an orthographic view.

@@ -61,11 +61,12 @@ std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t obj
   return interior;
 }
 
-volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point) {
+volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point, float time) {
   volume::MediumStack stack(scene.priorityOrder);
   Ray<World> up;
   up.origin = point;
   up.direction = {0, 1, 0};
+  up.time = time;
   accel::SpanBuffer spans;
   accel::Counters counters;
   std::vector<accel::SurfaceHit> hits;

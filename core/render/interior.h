@@ -17,6 +17,6 @@ std::optional<volume::Interior> interiorOf(const PreparedScene& scene, std::uint
 
 /// Which interiors a point is in: every surface above it is crossed on the way down from outside of the scene, and
 /// asked what is inside. Open surfaces count (a plane of water); upwards is +y.
-volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point);
+volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point, float time);
 
 }  // namespace aerosol::render

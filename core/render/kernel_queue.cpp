@@ -62,6 +62,7 @@ void KernelQueues::prepareLayout(Queue& queue) const {
     prepareSurfaceLayout(queue);
     return;
   }
+  if (queue.variant == shading::Variant::velocity) return;
   for (const jit::OutputComponent& output : outputs) {
     queue.destinations.push_back(coefficientOffset(output));
     const bool mayBeNegative =
@@ -114,9 +115,6 @@ void KernelQueues::prepareSurfaceLayout(Queue& queue) const {
 }
 
 void KernelQueues::push(const Question& question, const PathContext& path, PendingQuestion from) {
-  const auto queueOf = [&](shading::InstanceRef shader, shading::Variant variant) -> Queue& {
-    return queues_[shader.family * shading::variantCount + static_cast<std::size_t>(variant)];
-  };
   ++waiting_;
   if (!question.medium) {
     Queue& queue = queueOf(question.surface, shading::Variant::surface);
@@ -124,11 +122,40 @@ void KernelQueues::push(const Question& question, const PathContext& path, Pendi
     queue.points.push(*question.surfacePoint, question.surface.index);
     return;
   }
+  const MediumVelocity* const moves = scene_.velocityOf(question.medium->index);
+  if (!moves) [[likely]]
+    return pushMedium(question, path, question.point, from);
+  Queue& queue = queueOf(moves->shader, shading::Variant::velocity);
+  queue.questions.push_back(from);
+  queue.points.push(shading::VolumePoint{question.point, path.direction(), path.time()}, moves->shader.index);
+}
+
+/// A medium's shader is asked at `point`.
+void KernelQueues::pushMedium(const Question& question, const PathContext& path, Point<World> point,
+                              PendingQuestion from) {
   const shading::InstanceRef shader = scene_.mediumShaders[question.medium->index];
   Queue& queue = queueOf(shader, question.quantity == volume::Quantity::extinction ? shading::Variant::extinction
                                                                                    : shading::Variant::coefficients);
   queue.questions.push_back(from);
-  queue.points.push(shading::VolumePoint{question.point, path.direction(), path.time()}, shader.index);
+  queue.points.push(shading::VolumePoint{point, path.direction(), path.time()}, shader.index);
+}
+
+/// Takes velocities from the batch and asks the media where their matter was at the reference time. Velocities that are
+/// no numbers move nothing, and are counted.
+void KernelQueues::moveQuestions(std::span<PathContext* const> paths) {
+  waiting_ += running_.size();
+  for (std::size_t lane = 0; lane < running_.size(); ++lane) {
+    const PathContext& path = *paths[running_[lane].slot];
+    const Question& question = path.questions()[running_[lane].question];
+    const MediumVelocity& moves = *scene_.velocityOf(question.medium->index);
+    const Vector<World> velocity(batch_.output(0)[lane], batch_.output(1)[lane], batch_.output(2)[lane]);
+    Point<World> point = question.point - velocity * (moves.factor * (path.time() - moves.referenceTime));
+    if (!std::isfinite(point.x + point.y + point.z)) [[unlikely]] {
+      ++statistics_.invalidVelocities;
+      point = question.point;
+    }
+    pushMedium(question, path, point, running_[lane]);
+  }
 }
 
 /// NaN, infinite and negative results become zero: counted, and reported once a shader with the point that gave them.
@@ -273,6 +300,9 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
     case shading::Variant::coefficients:
       scatterCoefficients(queue, paths);
       break;
+    case shading::Variant::velocity:
+      moveQuestions(paths);
+      return {};
     case shading::Variant::outputs:  // No scene makes these.
       break;
   }

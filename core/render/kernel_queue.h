@@ -27,7 +27,8 @@ class KernelQueues {
   bool empty() const { return waiting_ == 0; }
 
   /// Runs the kernel with the most questions on at most a batch of them and writes the answers into the paths.
-  /// `paths[slot]` is the path of a slot. Returns the questions answered, valid until the next call.
+  /// `paths[slot]` is the path of a slot. Returns the questions answered, valid until the next call: none when the
+  /// kernel found out where to ask on.
   std::span<const PendingQuestion> runFullest(std::span<PathContext* const> paths);
 
   shading::KernelHost& host() { return host_; }
@@ -54,6 +55,11 @@ class KernelQueues {
     std::vector<std::pair<std::size_t, float>> defaults;  ///< Surfaces: floats of the answer that no output sets.
   };
 
+  Queue& queueOf(shading::InstanceRef shader, shading::Variant variant) {
+    return queues_[shader.family * shading::variantCount + static_cast<std::size_t>(variant)];
+  }
+  void pushMedium(const Question& question, const PathContext& path, Point<World> point, PendingQuestion from);
+  void moveQuestions(std::span<PathContext* const> paths);
   void prepareLayout(Queue& queue) const;
   void prepareSurfaceLayout(Queue& queue) const;
   bool allSound(const Queue& queue) const;

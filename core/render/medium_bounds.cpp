@@ -95,6 +95,12 @@ class BoxPoints {
     return p;
   }
 
+  /// In [0, 1): by the golden ratio, which the three steps have nothing to do with.
+  float time(int n) const {
+    const double x = shift_[0] + shift_[1] + (n + 1) * 0.6180339887498949;
+    return static_cast<float>(x - std::floor(x));
+  }
+
  private:
   const Box<Object>& box_;
   std::array<double, 3> shift_{};
@@ -111,20 +117,118 @@ struct MediumRanges::Context {
       : host(scene.namedSpaces, scene.loopBudget, scene.services.get()), boxes(boxesAtOnce), batch(pointsAtOnce) {
     points.bind(family, shading::Variant::extinction);
   }
+  Context(const PreparedScene& scene, const shading::Family& family, const MediumVelocity* velocity)
+      : Context(scene, family) {
+    if (velocity) movers.bind(scene.shading.family(velocity->shader), shading::Variant::velocity);
+  }
   shading::KernelHost host;
   shading::BoundsBatch boxes;
   shading::Batch batch;
   shading::PointArrays points;
+  shading::PointArrays movers;  ///< Points whose velocity is asked for.
+  std::vector<shading::VolumePoint> places;
   std::vector<shading::VolumeBox> volumeBoxes;
+  std::vector<shading::VelocityBounds> velocities;
   std::vector<shading::CoefficientBounds> bounds;
 };
 
-MediumRanges::MediumRanges(const PreparedScene& scene, shading::InstanceRef shader, int threads)
-    : scene_(scene), shader_(shader), family_(scene.shading.family(shader)), threads_(std::max(1, threads)) {}
+MediumRanges::MediumRanges(const PreparedScene& scene, const volume::Medium& medium, int threads)
+    : scene_(scene),
+      shader_(scene.mediumShaders[medium.index]),
+      family_(scene.shading.family(shader_)),
+      velocity_(scene.velocityOf(medium.index)),
+      threads_(std::max(1, threads)) {}
 
 MediumRanges::~MediumRanges() = default;
 
-bool MediumRanges::canProve() const { return family_.bounds.has_value(); }
+bool MediumRanges::canProve() const {
+  const bool moves = family_.instances[shader_.index].motion.has_value();
+  if (velocity_ && (moves || !scene_.shading.family(velocity_->shader).velocityBounds)) return false;
+  return family_.bounds && !(moves && shading::usesPlaceBeyondP(*family_.program));
+}
+
+/// From boxes of points to boxes of the places where their matter was: x - s v(x), with s in the shutter's interval of
+/// times since the reference, scaled, and v in its range over the box. Where nothing bounds the velocity, everywhere.
+void MediumRanges::moveBoxes(Context& context) const {
+  if (!velocity_) return;
+  context.velocities.assign(context.volumeBoxes.size(), {});
+  context.boxes.evaluateVelocity(context.host, scene_.shading.family(velocity_->shader), velocity_->shader.index,
+                                 context.volumeBoxes, context.velocities);
+  const Transform<World, Object>& place = family_.instances[shader_.index].objectToWorld;
+  const Matrix4 &m = place.matrix(), &inverse = place.inverseMatrix();
+  const double factor = static_cast<double>(velocity_->factor);
+  const double s0 = factor * (static_cast<double>(scene_.shutter.open) - static_cast<double>(velocity_->referenceTime));
+  const double s1 =
+      factor * (static_cast<double>(scene_.shutter.close) - static_cast<double>(velocity_->referenceTime));
+  for (std::size_t i = 0; i < context.volumeBoxes.size(); ++i) {
+    Box<Object>& box = context.volumeBoxes[i].box;
+    std::array<double, 3> low, high;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto v0 = static_cast<double>(context.velocities[i].velocity[k].low);
+      const auto v1 = static_cast<double>(context.velocities[i].velocity[k].high);
+      low[k] = -std::max({s0 * v0, s0 * v1, s1 * v0, s1 * v1});
+      high[k] = -std::min({s0 * v0, s0 * v1, s1 * v0, s1 * v1});
+      double magnitude = std::fabs(m[k][3]) + std::max(std::fabs(low[k]), std::fabs(high[k]));
+      for (std::size_t a = 0; a < 3; ++a) {
+        const int axis = static_cast<int>(a);
+        magnitude +=
+            std::fabs(m[k][a]) * static_cast<double>(std::max(std::fabs(box.lower[axis]), std::fabs(box.upper[axis])));
+      }
+      low[k] -= 0x1p-21 * magnitude;  // Points, velocities and their products are floats.
+      high[k] += 0x1p-21 * magnitude;
+    }
+    const Box<Object> before = box;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int axis = static_cast<int>(a);
+      double from = 0, to = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        from += std::min(inverse[a][k] * low[k], inverse[a][k] * high[k]);
+        to += std::max(inverse[a][k] * low[k], inverse[a][k] * high[k]);
+      }
+      const double lower = static_cast<double>(before.lower[axis]) + from,
+                   upper = static_cast<double>(before.upper[axis]) + to;
+      const bool isKnown = std::fabs(lower) < 1e30 && std::fabs(upper) < 1e30 && !context.velocities[i].mayBeNan;
+      box.lower[axis] = isKnown ? std::nextafter(static_cast<float>(lower), -1e38f) : everywhere.lower[axis];
+      box.upper[axis] = isKnown ? std::nextafter(static_cast<float>(upper), 1e38f) : everywhere.upper[axis];
+      // A velocity that is no number moves nothing.
+      box.lower[axis] = std::min(box.lower[axis], before.lower[axis]);
+      box.upper[axis] = std::max(box.upper[axis], before.upper[axis]);
+    }
+  }
+}
+
+/// As the render moves them.
+std::vector<Point<World>> MediumRanges::movedPoints(Context& context,
+                                                    std::span<const shading::VolumePoint> points) const {
+  std::vector<Point<World>> moved;
+  for (const shading::VolumePoint& p : points) moved.push_back(p.point);
+  if (!velocity_) return moved;
+  for (const shading::VolumePoint& p : points) context.movers.push(p, velocity_->shader.index);
+  context.batch.run(context.host, context.movers, 0);
+  context.movers.shrink(0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto axis = [&](std::size_t k) { return context.batch.output(k)[i]; };
+    const float seconds = velocity_->factor * (points[i].time - velocity_->referenceTime);
+    const Point<World> there = points[i].point - Vector<World>(axis(0), axis(1), axis(2)) * seconds;
+    if (std::isfinite(there.x + there.y + there.z)) moved[i] = there;
+  }
+  return moved;
+}
+
+/// The box for points that are rounded in the world, wherever the instance is.
+Box<Object> MediumRanges::everywhereOnItsWay(const Box<Object>& box) const {
+  const shading::Instance& instance = family_.instances[shader_.index];
+  if (!instance.motion) return box;
+  Box<Object> joined = box;
+  constexpr int looks = 5;
+  for (int i = 0; i < looks; ++i) {
+    const auto place = instance.motion->at(scene_.shutter.at(static_cast<float>(i) / (looks - 1)));
+    const Box<Object> rounded = volume::withRounding(box, place);
+    joined.extend(rounded.lower);
+    joined.extend(rounded.upper);
+  }
+  return joined;
+}
 
 bool MediumRanges::mayLeaveOut() const {
   // Neither messages nor what the host keeps (points written to a cloud) may depend on where bounds are known.
@@ -139,7 +243,7 @@ bool MediumRanges::mayLeaveOut() const {
 
 std::unique_ptr<MediumRanges::Context> MediumRanges::takeContext() {
   const std::lock_guard lock(mutex_);
-  if (free_.empty()) return std::make_unique<Context>(scene_, family_);
+  if (free_.empty()) return std::make_unique<Context>(scene_, family_, velocity_);
   auto context = std::move(free_.back());
   free_.pop_back();
   return context;
@@ -178,7 +282,10 @@ void MediumRanges::prove(std::span<const Box<Object>> boxes, std::span<volume::B
   }
   inParts(boxes.size(), boxesAtOnce, [&](Context& context, std::size_t first, std::size_t end) {
     context.volumeBoxes.clear();
-    for (std::size_t i = first; i < end; ++i) context.volumeBoxes.push_back({boxes[i], 0, 0});
+    for (std::size_t i = first; i < end; ++i) {
+      context.volumeBoxes.push_back({everywhereOnItsWay(boxes[i]), scene_.shutter.open, scene_.shutter.close});
+    }
+    moveBoxes(context);
     context.bounds.resize(end - first);
     context.boxes.evaluate(context.host, family_, shader_.index, context.volumeBoxes, context.bounds);
     for (std::size_t i = first; i < end; ++i) knowledge[i] = knowledgeFrom(context.bounds[i - first]);
@@ -186,16 +293,26 @@ void MediumRanges::prove(std::span<const Box<Object>> boxes, std::span<volume::B
 }
 
 void MediumRanges::sample(std::span<const Box<Object>> boxes, int pointsPerBox, std::span<volume::BoxSamples> samples) {
-  const Transform<World, Object>& toWorld = family_.instances[shader_.index].objectToWorld;
+  const shading::Instance& instance = family_.instances[shader_.index];
+  const Transform<World, Object>& toWorld = instance.objectToWorld;
+  const bool isInstant = scene_.shutter.isInstant();
   const auto perBox = static_cast<std::size_t>(pointsPerBox);
   inParts(boxes.size(), std::max<std::size_t>(1, pointsAtOnce / perBox),
           [&](Context& context, std::size_t first, std::size_t end) {
             for (std::size_t i = first; i < end; ++i) {
               const BoxPoints points(boxes[i]);
               for (int k = 0; k < pointsPerBox; ++k) {
-                context.points.push(shading::VolumePoint{toWorld(points[k]), Vector<World>(0, 0, 1), 0}, shader_.index);
+                const float time = isInstant ? scene_.shutter.open : scene_.shutter.at(points.time(k));
+                const Point<World> point = instance.motion ? instance.motion->at(time)(points[k]) : toWorld(points[k]);
+                context.places.push_back({point, Vector<World>(0, 0, 1), time});
               }
             }
+            const std::vector<Point<World>> moved = movedPoints(context, context.places);
+            for (std::size_t i = 0; i < moved.size(); ++i) {
+              context.points.push(shading::VolumePoint{moved[i], context.places[i].direction, context.places[i].time},
+                                  shader_.index);
+            }
+            context.places.clear();
             context.batch.run(context.host, context.points, 0);
             context.points.shrink(0);
             for (std::size_t i = first; i < end; ++i) {
@@ -215,14 +332,18 @@ void MediumRanges::sample(std::span<const Box<Object>> boxes, int pointsPerBox, 
 }
 
 volume::Coefficients MediumRanges::at(Point<Object> point) {
-  shading::KernelHost host(scene_.namedSpaces, scene_.loopBudget, scene_.services.get());
-  shading::Batch batch(1);
+  auto context = takeContext();
+  shading::VolumePoint place{family_.instances[shader_.index].objectToWorld(point), Vector<World>(0, 0, 1),
+                             scene_.shutter.open};
+  place.point = movedPoints(*context, {&place, 1}).front();
   shading::PointArrays points;
   points.bind(family_, shading::Variant::coefficients);
-  points.push(shading::VolumePoint{family_.instances[shader_.index].objectToWorld(point), Vector<World>(0, 0, 1), 0},
-              shader_.index);
-  batch.run(host, points, 0);
-  return readCoefficients(batch, 0);
+  points.push(place, shader_.index);
+  context->batch.run(context->host, points, 0);
+  const volume::Coefficients coefficients = readCoefficients(context->batch, 0);
+  context->host.records().clear();
+  giveBack(std::move(context));
+  return coefficients;
 }
 
 std::optional<volume::Coefficients> MediumRanges::uniformOver(const Box<Object>& box) {

@@ -18,7 +18,7 @@ namespace aerosol::render {
 class MediumRanges final : public volume::BoundSource {
  public:
   /// `threads` at most.
-  MediumRanges(const PreparedScene& scene, shading::InstanceRef shader, int threads);
+  MediumRanges(const PreparedScene& scene, const volume::Medium& medium, int threads);
   ~MediumRanges() override;
 
   /// Whether anything can be proven: there is a bounds kernel.
@@ -37,6 +37,9 @@ class MediumRanges final : public volume::BoundSource {
 
  private:
   struct Context;
+  Box<Object> everywhereOnItsWay(const Box<Object>& box) const;
+  void moveBoxes(Context& context) const;
+  std::vector<Point<World>> movedPoints(Context& context, std::span<const shading::VolumePoint> points) const;
   std::unique_ptr<Context> takeContext();
   void giveBack(std::unique_ptr<Context> context);
   /// Calls `run(context, first, end)` for parts of [0, count), of `step` each.
@@ -46,6 +49,7 @@ class MediumRanges final : public volume::BoundSource {
   const PreparedScene& scene_;
   shading::InstanceRef shader_;
   const shading::Family& family_;
+  const MediumVelocity* velocity_;  ///< Null where it does not move so.
   int threads_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Context>> free_;

@@ -30,14 +30,16 @@ auto askOnce(const PreparedScene& scene, const Question& question, Take take) {
   KernelQueues queues(scene, statistics, AEROSOL_MAXIMUM_WIDTH);
   queues.push(question, path, {0, 0});
   PathContext* const paths[] = {&path};
-  queues.runFullest(paths);
+  while (!queues.empty()) queues.runFullest(paths);
   return take(path, statistics);
 }
 
 }  // namespace
 
 std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& scene, shading::InstanceRef shader) {
-  if (!scene.shading.family(shader).kernel(shading::Variant::coefficients).interface().isConstant()) return {};
+  const shading::Family& family = scene.shading.family(shader);
+  if (!family.kernel(shading::Variant::coefficients).interface().isConstant()) return {};
+  if (family.instances[shader.index].motion && shading::usesPlaceBeyondP(*family.program)) return {};
   volume::Medium medium;
   for (std::size_t i = 0; i < scene.mediumShaders.size(); ++i) {
     const shading::InstanceRef& each = scene.mediumShaders[i];
@@ -130,7 +132,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   const shading::Instance& instance = family.instances[shader.index];
   const float defaultStep = std::isfinite(place.extent) && place.extent > 0 ? place.extent / 100 : 1.0f;
   medium.stepSize = sampling.stepSize.value_or(defaultStep) * integrator.stepScale;
-  MediumRanges ranges(scene, shader, threads);
+  MediumRanges ranges(scene, medium, threads);
   medium.constant = constantOf(scene, shader, ranges, place);
   if (medium.constant) {
     medium.method = DistanceMethod::closedForm;

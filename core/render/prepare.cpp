@@ -9,6 +9,7 @@
 
 #include "core/accel/obj.h"
 #include "core/accel/ply.h"
+#include "core/grid/grid_file.h"
 #include "core/lang/analysis.h"
 #include "core/render/interior.h"
 #include "core/render/media_probe.h"
@@ -38,12 +39,14 @@ class Preparation {
   }
 
   Result<std::unique_ptr<const PreparedScene>> run() {
+    scene_->shutter = description_.sensor.shutter();
     setUpCamera();
     bindMaterials();
     placeMedia();
     if (errors_.hasErrors()) return fail();
     errors_.append(scene_->shading.compile(*options_.compiler, {options_.target, options_.laneCounters}));
     if (errors_.hasErrors()) return fail();
+    findChanges();
     findSiteClosures();
     addShapes();
     addVolumes();
@@ -93,11 +96,12 @@ class Preparation {
   void bindMaterials() {
     describeScene(description_, scene_->attributes);
     for (const scene::Shape& shape : description_.shapes) {
-      auto bound = bindShader(description_.materials[shape.material], "surface", shape.toWorld, shaderSources(),
-                              scene_->shading, warnings_);
+      auto bound = bindShader(description_.materials[shape.material], "surface", atOpening(shape.toWorld),
+                              shaderSources(), scene_->shading, warnings_);
       scene_->objects.emplace_back();
       if (bound) {
         scene_->objects.back().material = *bound;
+        if (const auto motion = motionOf(shape.toWorld)) scene_->shading.setMotion(*bound, MovingPlace(motion));
       } else {
         appendNew(bound.errors());
       }
@@ -116,6 +120,25 @@ class Preparation {
     if (!known) errors_.add(error);
   }
 
+  using MovingPlace = MovingTransform<World, Object>;
+
+  Transform<World, Object> atOpening(const scene::Placement<World, Object>& placement) const {
+    return placement.at(scene_->shutter.open);
+  }
+  /// Null where nothing changes while the shutter is open.
+  std::shared_ptr<const Motion> motionOf(const scene::Placement<World, Object>& placement) {
+    auto motion = placement.motionDuring(scene_->shutter);
+    scene_->changes = scene_->changes || motion;
+    return motion;
+  }
+
+  /// A volume as it stands when the shutter opens; one that moves, in the space that moves.
+  scene::Volume standing(const scene::Volume& volume, bool moves) const {
+    scene::Volume still = volume;
+    still.toWorld = moves ? Transform<World, Object>() : atOpening(volume.toWorld);
+    return still;
+  }
+
   void placeMedia() {
     scene_->media.reserve(description_.volumes.size() + 2 * description_.shapes.size() + 1);
     for (const scene::Volume& volume : description_.volumes) {
@@ -124,7 +147,12 @@ class Preparation {
         errors_.error(volume.origin.location, fmt::format("there is no volume of type '{}'", volume.type));
         continue;
       }
-      scene_->volumes.push_back(place(volume.medium, type->place(volume), description_.samplingOf(volume)));
+      const auto motion = motionOf(volume.toWorld);
+      const Transform<World, Object> local = type->place(standing(volume, motion != nullptr));
+      const scene::MediumSampling sampling = description_.samplingOf(volume);
+      scene_->volumes.push_back(motion ? place(volume.medium, MovingPlace(motion, asObject(local)), sampling)
+                                       : place(volume.medium, local, sampling));
+      if (volume.velocity.isWanted() && scene_->volumes.back()) placeVelocity(volume, scene_->volumes.back()->index);
     }
     for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
       const scene::Shape& shape = description_.shapes[i];
@@ -134,11 +162,133 @@ class Preparation {
       scene_->objects[i].clipsVolumes = shape.clipVolumes;
       scene_->nestsMedia = scene_->nestsMedia || shape.priority > 0 || shape.clipVolumes;
     }
-    if (description_.sensor.medium) scene_->cameraMedium = place(*description_.sensor.medium, {});
+    if (description_.sensor.medium)
+      scene_->cameraMedium = place(*description_.sensor.medium, scene::Placement<World, Object>());
   }
 
-  const volume::Medium* place(scene::Index index, const Transform<World, Object>& toWorld) {
-    return place(index, toWorld, description_.media[index].sampling);
+  /// Finds the shader that gives a volume's velocity: the medium's own, or one that reads a grid.
+  void placeVelocity(const scene::Volume& volume, std::uint32_t medium) {
+    const scene::VelocityBlur& blur = volume.velocity;
+    shading::InstanceRef shader = scene_->mediumShaders[medium];
+    const SourceLocation& location = volume.origin.of(blur.grid.empty() ? "velocity" : "velocity_grid");
+    if (!blur.grid.empty()) {
+      const shading::Instance& placed = scene_->shading.instance(shader);
+      auto bound = bindShader(velocityShader(volume, location), "volume", placed.objectToWorld, shaderSources(),
+                              scene_->shading, warnings_);
+      if (!bound) return appendNew(bound.errors());
+      const auto motion = scene_->shading.instance(shader).motion;
+      if (motion) scene_->shading.setMotion(*bound, *motion);
+      shader = *bound;
+    }
+    const std::string output = blur.grid.empty() ? blur.output : "velocity";
+    const lang::Program& program = *scene_->shading.family(shader).program;
+    const auto isMeant = [&](const lang::Parameter& p) { return p.isOutput && p.name == output; };
+    const auto found = std::ranges::find_if(program.parameters, isMeant);
+    if (found == program.parameters.end() || found->type.isArray() || !found->type.isTriple()) {
+      Diagnostic error{Severity::error,
+                       location,
+                       fmt::format("shader '{}' has no output '{}' that is a vector", program.name, output),
+                       {},
+                       {}};
+      std::vector<std::string> outputs;
+      for (const lang::Parameter& p : program.parameters) {
+        if (p.isOutput && p.type.isTriple() && !p.type.isArray()) outputs.push_back(p.name);
+      }
+      error.notes.push_back(outputs.empty() ? "it has no vector among its outputs"
+                                            : fmt::format("its vectors: {}", fmt::join(outputs, ", ")));
+      return appendNew(error);
+    }
+    if (!scene_->shading.setVelocity(shader, output)) {
+      return errors_.error(location,
+                           fmt::format("another volume with the same shader takes its velocity from an output "
+                                       "other than '{}'",
+                                       output));
+    }
+    scene_->velocities.resize(scene_->media.size());
+    scene_->velocities[medium] = MediumVelocity{shader, blur.factor(), blur.referenceTime};
+    scene_->changes = scene_->changes || !scene_->shutter.isInstant();
+  }
+
+  /// velocity_grid.osl, reading the volume's grid, which goes on as far as it carries anything.
+  scene::ShaderUse velocityShader(const scene::Volume& volume, const SourceLocation& location) {
+    scene::ShaderUse use;
+    use.name = "velocity_grid";
+    use.nameLocation = use.origin.location = location;
+    std::string file = fileOfVelocity(volume);
+    if (const int voxels = reachOfVelocity(volume, file, location); voxels > 0)
+      file = grid::continuedName(file, volume.velocity.grid, voxels);
+    use.parameters.push_back({"filename", file, location, location});
+    use.parameters.push_back({"gridname", volume.velocity.grid, location, location});
+    return use;
+  }
+
+  /// Seconds times the factor of velocities, when the shutter opens and when it closes.
+  std::array<double, 2> secondsOf(const scene::VelocityBlur& blur) const {
+    const auto from = [&](float time) {
+      return static_cast<double>(blur.factor()) * (static_cast<double>(time) - static_cast<double>(blur.referenceTime));
+    };
+    return {from(scene_->shutter.open), from(scene_->shutter.close)};
+  }
+
+  CarriedMatter carriedBy(const scene::Volume& volume) {
+    if (volume.velocity.grid.empty()) return {};
+    std::string problem;
+    const VoxelFile* file = scene_->services->voxels(fileOfVelocity(volume), problem);
+    return {file ? file->find(volume.velocity.grid) : nullptr, secondsOf(volume.velocity)};
+  }
+
+  static std::string fileOfVelocity(const scene::Volume& volume) {
+    const scene::Value* own = volume.find("filename");
+    return volume.velocity.file.empty() && own ? std::get<std::string>(*own) : volume.velocity.file;
+  }
+
+  /// Voxels that the velocities of a grid carry anything by. An error when there is no such grid; a warning when that
+  /// is more than anybody means.
+  int reachOfVelocity(const scene::Volume& volume, const std::string& file, const SourceLocation& location) {
+    std::string problem;
+    const VoxelFile* read = scene_->services->voxels(file, problem);
+    const VoxelGrid* grid = read ? read->find(volume.velocity.grid) : nullptr;
+    if (!read) {
+      errors_.error(location, problem);
+    } else if (!grid || grid->info().channels != 3) {
+      errors_.error(location, fmt::format("'{}' has no vector grid '{}'", file, volume.velocity.grid));
+    }
+    if (!grid || grid->info().channels != 3) return 0;
+    const VoxelGridInfo& info = grid->info();
+    const auto [s0, s1] = secondsOf(volume.velocity);
+    double square = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      square += std::pow(static_cast<double>(std::max(std::fabs(info.least[c]), std::fabs(info.greatest[c]))), 2);
+    const double way = std::sqrt(square) * std::max(std::fabs(s0), std::fabs(s1));
+    const double voxel = *std::ranges::min_element(info.voxelSize);
+    constexpr double most = 256;
+    const double voxels = way > 0 ? std::ceil(way / voxel) + 2 : 0;
+    if (voxels > most) {
+      warnings_.warning(
+          location,
+          fmt::format("velocities of grid '{}' carry its matter by up to {} scene units while the shutter "
+                      "is open, {} voxels: blur reaches {} voxels at most",
+                      volume.velocity.grid, way, voxels, most),
+          {"velocities are per second; 'fps' says that they are per frame"});
+    }
+    return static_cast<int>(std::min(voxels, most));
+  }
+
+  const volume::Medium* place(scene::Index index, const scene::Placement<World, Object>& placement) {
+    const scene::MediumSampling& sampling = description_.media[index].sampling;
+    if (const auto motion = motionOf(placement)) return place(index, MovingPlace(motion), sampling);
+    return place(index, atOpening(placement), sampling);
+  }
+
+  const volume::Medium* place(scene::Index index, const MovingPlace& placement, const scene::MediumSampling& sampling) {
+    const volume::Medium* medium = place(index, placement.at(scene_->shutter.open), sampling);
+    if (medium) scene_->shading.setMotion(scene_->mediumShaders[medium->index], placement);
+    return medium;
+  }
+
+  /// The same map within the object's own spaces.
+  static Transform<Object, Object> asObject(const Transform<World, Object>& local) {
+    return {local.matrix(), local.inverseMatrix()};
   }
 
   const volume::Medium* place(scene::Index index, const Transform<World, Object>& toWorld,
@@ -256,51 +406,96 @@ class Preparation {
     }
   }
 
-  static Transform<World, Object> sphereToWorld(const scene::Shape& shape) {
-    return ballPlacement(shape.toWorld, shape.center, shape.radius);
+  Transform<World, Object> sphereToWorld(const scene::Shape& shape) const {
+    return ballPlacement(atOpening(shape.toWorld), shape.center, shape.radius);
+  }
+
+  Result<accel::ObjectId> addMovingShape(const scene::Shape& shape, const std::shared_ptr<const Motion>& motion,
+                                         bool passThrough) {
+    using scene::ShapeType;
+    if (shape.emitter) {
+      return Diagnostic{Severity::error,
+                        shape.emitter->origin.location,
+                        "a shape that moves while the shutter is open cannot emit",
+                        {},
+                        {"give the shape one transform, or let its material glow"}};
+    }
+    if (shape.type == ShapeType::sphere) {
+      const MovingPlace place(motion, asObject(ballPlacement(Transform<World, Object>(), shape.center, shape.radius)));
+      return builder_.addSphere(place, passThrough, shape.flipNormals);
+    }
+    if (shape.type == ShapeType::disk) return builder_.addDisk(MovingPlace(motion), passThrough, shape.flipNormals);
+    auto mesh = meshOf(shape, {});
+    if (!mesh) return mesh.errors();
+    return builder_.addMesh(std::move(*mesh), MovingPlace(motion), passThrough);
   }
 
   Result<accel::ObjectId> addShape(const scene::Shape& shape, bool passThrough) {
     using scene::ShapeType;
+    if (const auto motion = motionOf(shape.toWorld)) return addMovingShape(shape, motion, passThrough);
+    const Transform<World, Object> toWorld = atOpening(shape.toWorld);
     if (shape.type == ShapeType::sphere)
       return builder_.addSphere(sphereToWorld(shape), passThrough, shape.flipNormals);
-    if (shape.type == ShapeType::disk) return builder_.addDisk(shape.toWorld, passThrough, shape.flipNormals);
+    if (shape.type == ShapeType::disk) return builder_.addDisk(toWorld, passThrough, shape.flipNormals);
+    auto mesh = meshOf(shape, toWorld);
+    if (!mesh) return mesh.errors();
+    return builder_.addMesh(std::move(*mesh), passThrough);
+  }
+
+  Result<accel::TriangleMesh> meshOf(const scene::Shape& shape, const Transform<World, Object>& toWorld) {
+    using scene::ShapeType;
     accel::TriangleMesh mesh;
     if (shape.type == ShapeType::obj || shape.type == ShapeType::ply) {
       const std::string file = shape.file.string();
-      auto loaded = shape.type == ShapeType::obj ? accel::loadObj(file, shape.toWorld, warnings_)
-                                                 : accel::loadPly(file, shape.toWorld, warnings_);
+      auto loaded = shape.type == ShapeType::obj ? accel::loadObj(file, toWorld, warnings_)
+                                                 : accel::loadPly(file, toWorld, warnings_);
       if (!loaded) return loaded.errors();
       mesh = std::move(*loaded);
     } else {
-      mesh = shape.type == ShapeType::cube ? accel::makeCube(shape.toWorld) : accel::makeRectangle(shape.toWorld);
+      mesh = shape.type == ShapeType::cube ? accel::makeCube(toWorld) : accel::makeRectangle(toWorld);
     }
     mesh.faceNormals = mesh.faceNormals || shape.faceNormals;
     mesh.flipNormals = shape.flipNormals;
-    return builder_.addMesh(std::move(mesh), passThrough);
+    return mesh;
   }
 
   void addVolumes() {
     for (std::size_t i = 0; i < description_.volumes.size(); ++i) {
       const scene::Volume& volume = description_.volumes[i];
       const VolumeType& type = *registry_.volume(volume.type);
-      auto shape = type.make({volume, type.place(volume), description_.searchPath, warnings_, scene_->services.get()});
+      const auto motion = motionOf(volume.toWorld);
+      const scene::Volume still = standing(volume, motion != nullptr);
+      auto shape = type.make(
+          {still, type.place(still), description_.searchPath, warnings_, scene_->services.get(), carriedBy(volume)});
       if (!shape) {
         appendAt(volume.origin.location, shape.errors());
         continue;
       }
-      const Box<World> bounds = (*shape)->worldBounds();
+      Box<World> bounds = (*shape)->worldBounds();
+      if (motion) bounds = placed(bounds, MovingPlace(motion).at(scene_->shutter.open));
       placements_[scene_->volumes[i]->index].place = {
           .extent = length(bounds.upper - bounds.lower), .domain = (*shape)->objectBounds(), .staysInside = true};
-      if (auto added = builder_.addVolume(std::move(*shape)); !added) {
+      auto added =
+          motion ? builder_.addVolume(std::move(*shape), MovingPlace(motion)) : builder_.addVolume(std::move(*shape));
+      if (!added) {
         appendAt(volume.origin.location, added.errors());
       }
     }
   }
 
+  /// A box of a space that moves, in the world.
+  static Box<World> placed(const Box<World>& box, const Transform<World, Object>& place) {
+    Box<World> bounds;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto end = [&](int axis) { return corner >> axis & 1 ? box.upper[axis] : box.lower[axis]; };
+      bounds.extend(place(Point<Object>(end(0), end(1), end(2))));
+    }
+    return bounds;
+  }
+
   void buildGeometry() {
     using scene::OverlapChoice;
-    accel::SceneOptions options{.embreeIsa = options_.embreeIsa};
+    accel::SceneOptions options{.embreeIsa = options_.embreeIsa, .shutter = scene_->shutter};
     const OverlapChoice choice = description_.integrator.overlap;
     if (choice == OverlapChoice::partition) options.overlap = accel::OverlapDesign::partition;
     if (choice == OverlapChoice::automatic) options.overlap = builder_.preferredOverlapDesign();
@@ -321,6 +516,10 @@ class Preparation {
     // Without bounds kernels nothing is proven, and that is all: the programs themselves have been compiled.
     static_cast<void>(scene_->shading.compileBounds(*options_.compiler, {options_.target, false}));
     placeInteriors();
+    for (volume::Medium& medium : scene_->media) {
+      const auto& motion = scene_->shading.instance(scene_->mediumShaders[medium.index]).motion;
+      if (motion) medium.motion = &*motion;
+    }
     const std::size_t count = scene_->media.size();
     scene_->trees.resize(count);
     scene_->treeStatistics.resize(count);
@@ -371,7 +570,8 @@ class Preparation {
       }
       if (shape.type != scene::ShapeType::obj && shape.type != scene::ShapeType::ply) continue;
       Box<Object> box;
-      const Transform<Object, World> toObject = shape.toWorld.inverse();
+      const bool moves = motionOf(shape.toWorld) != nullptr;
+      const Transform<Object, World> toObject = moves ? Transform<Object, World>() : atOpening(shape.toWorld).inverse();
       for (const Point<World>& p : scene_->geometry->mesh(static_cast<accel::ObjectId>(i))->positions) {
         box.extend(toObject(p));
       }
@@ -438,12 +638,17 @@ class Preparation {
       case scene::ShapeType::sphere:
         return makeSphereLight(sphereToWorld(shape), shape.flipNormals);
       case scene::ShapeType::disk:
-        return makeDiskLight(shape.toWorld, shape.flipNormals);
+        return makeDiskLight(atOpening(shape.toWorld), shape.flipNormals);
       case scene::ShapeType::rectangle:
-        return makeRectangleLight(shape.toWorld, shape.flipNormals);
+        return makeRectangleLight(atOpening(shape.toWorld), shape.flipNormals);
       default:
-        return makeMeshLight(*scene_->geometry->mesh(object));
+        break;
     }
+    const accel::TriangleMesh& mesh = *scene_->geometry->mesh(object);
+    if (!shape.toWorld.motionDuring(scene_->shutter)) return makeMeshLight(mesh);
+    accel::TriangleMesh placed = mesh;
+    accel::transformMesh(placed, atOpening(shape.toWorld));
+    return makeMeshLight(placed);
   }
 
   /// Where media nest the path's stack begins with what the camera is in.
@@ -451,20 +656,36 @@ class Preparation {
     using enum volume::PriorityOrder;
     scene_->priorityOrder = description_.integrator.lowerPriorityWins ? lowerWins : higherWins;
     if (!scene_->nestsMedia) return;
-    const Matrix4& m = description_.sensor.toWorld.matrix();
+    const Matrix4 m = scene_->camera->toWorld(scene_->shutter.open).matrix();
     const Point<World> eye(static_cast<float>(m[0][3]), static_cast<float>(m[1][3]), static_cast<float>(m[2][3]));
-    scene_->initialMedia = findMedia(*scene_, eye);
+    scene_->initialMedia = findMedia(*scene_, eye, scene_->shutter.open);
     const scene::Sensor& sensor = description_.sensor;
     const float lens = sensor.type == scene::SensorType::thinlens ? sensor.apertureRadius : 0;
-    scene_->probesMedia = needsProbes(*scene_, eye, lens + 2 * sensor.nearClip);
+    scene_->probesMedia = scene_->changes || needsProbes(*scene_, eye, lens + 2 * sensor.nearClip);
+  }
+
+  /// Whether pictures of two instants would differ.
+  void findChanges() {
+    if (scene_->shutter.isInstant()) return;
+    scene_->changes = scene_->changes || scene_->camera->motion();
+    for (const shading::Family& family : scene_->shading.families()) {
+      for (const auto& kernel : family.kernels) {
+        const int time = jit::globalPointer(lang::Global::time);
+        if (kernel && (kernel->interface().globalsRead >> time & 1u) != 0) scene_->changes = true;
+      }
+    }
   }
 
   void setUpCamera() {
     scene_->camera.emplace(description_.sensor, description_.film);
     scene_->filter.emplace(description_.film.filter);
-    const auto& toWorld = description_.sensor.toWorld;
-    scene_->namedSpaces.add("camera", toWorld.matrix(), toWorld.inverseMatrix());
-    scene_->namedSpaces.addCamera(toWorld.inverseMatrix(), scene_->camera->projection());
+    if (const auto& motion = scene_->camera->motion()) {
+      scene_->namedSpaces.addCamera(*motion, scene_->camera->projection());
+    } else {
+      const auto toWorld = scene_->camera->toWorld(scene_->shutter.open);
+      scene_->namedSpaces.add("camera", toWorld.matrix(), toWorld.inverseMatrix());
+      scene_->namedSpaces.addCamera(toWorld.inverseMatrix(), scene_->camera->projection());
+    }
     scene_->sampler =
         description_.sampler.type == scene::SamplerType::sobol ? SamplerKind::sobol : SamplerKind::independent;
     scene_->seed = static_cast<std::uint64_t>(description_.sampler.seed);

@@ -45,6 +45,13 @@ struct PathSettings {
   float stepScale = 1;
 };
 
+/// How a medium moves by its velocity: its shader is run at x - (t - reference) v(x).
+struct MediumVelocity {
+  shading::InstanceRef shader;  ///< Whose variant Variant::velocity gives v, in world space.
+  float factor = 1;             ///< From what it gives to scene units per second.
+  float referenceTime = 0;
+};
+
 struct PreparedScene {
   std::optional<accel::Scene> geometry;
   shading::ShadingSystem shading;
@@ -55,12 +62,15 @@ struct PreparedScene {
   std::vector<shading::InstanceRef> mediumShaders;              ///< By medium index.
   std::vector<SourceLocation> mediumLocations;                  ///< By medium index.
   std::vector<std::string> mediumNames;                         ///< Shader names by medium index.
+  std::vector<std::optional<MediumVelocity>> velocities;        ///< By medium index; empty when no medium has one.
   std::vector<std::unique_ptr<const volume::BoundTree>> trees;  ///< By medium index; null where a medium has none.
   std::vector<volume::BoundStatistics> treeStatistics;          ///< By medium index.
   std::vector<std::vector<const Closure*>> siteClosures;        ///< By family, then closure site; null: none.
   std::vector<PreparedObject> objects;                          ///< By accel::ObjectId.
   std::vector<const volume::Medium*> volumes;                   ///< By accel::VolumeId.
-  const volume::Medium* cameraMedium = nullptr;                 ///< Surface-defined medium around the camera.
+  Shutter shutter;
+  bool changes = false;  ///< Something changes while the shutter is open: every path has a time of its own.
+  const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.
   bool nestsMedia = false;  ///< Some material says what is inside: paths keep a stack of interiors.
   volume::PriorityOrder priorityOrder = volume::PriorityOrder::higherWins;
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
@@ -79,6 +89,11 @@ struct PreparedScene {
   PathSettings path;
   std::uint32_t loopBudget = 1u << 24;
   std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();
+
+  /// Null where a medium does not move so.
+  const MediumVelocity* velocityOf(std::uint32_t medium) const {
+    return medium < velocities.size() && velocities[medium] ? &*velocities[medium] : nullptr;
+  }
 };
 
 }  // namespace aerosol::render

@@ -11,6 +11,7 @@
 
 #include "core/accel/volume_shape.h"
 #include "core/base/result.h"
+#include "core/render/carried_matter.h"
 #include "core/render/closure.h"
 #include "core/render/integrator.h"
 #include "core/render/light.h"
@@ -63,6 +64,7 @@ struct VolumeArguments {
 
   /// A voxel file, read once for all that ask, shaders included. Null with a message.
   const VoxelFile* voxels(const std::string& name, std::string& message) const;
+  CarriedMatter carried = {};  ///< By a velocity grid: a grid's primitive is there too.
 
   /// The file that a parameter names, looked up in the search path; the name itself where no such file is found.
   std::filesystem::path file(const std::string& parameter) const;

@@ -42,6 +42,12 @@ class SampleStream {
     const std::uint64_t bits = randomBits(key_, sample_, slot);
     return {unitFloat(bits), unitFloat(static_cast<std::uint32_t>(bits))};
   }
+  /// In [0, 1): a number of its own that takes no slot. Stratified as they are.
+  float time() const {
+    constexpr std::uint32_t place = hashStart - 1;
+    if (kind_ == SamplerKind::sobol) return unitFloat(scrambledSobol1D(sample_, patternKey(place)));
+    return unitFloat(randomBits(key_, sample_, place));
+  }
   /// The same as `next1D`, for what asks for a plain source of numbers.
   float next() { return next1D(); }
 

@@ -121,13 +121,14 @@ class SceneServices final : public shading::Services {
   }
 
   std::string locate(std::string_view name) const {
-    const std::filesystem::path path(name);
-    if (path.is_absolute()) return path.string();
+    const std::filesystem::path path(grid::fileOfName(name));
+    const std::string rest(name.substr(path.native().size()));
+    if (path.is_absolute()) return path.string() + rest;
     for (const auto& folder : settings_.searchPath) {
       std::error_code ignored;
-      if (std::filesystem::is_regular_file(folder / path, ignored)) return (folder / path).string();
+      if (std::filesystem::is_regular_file(folder / path, ignored)) return (folder / path).string() + rest;
     }
-    return path.string();
+    return path.string() + rest;
   }
 
   ServiceSettings settings_;

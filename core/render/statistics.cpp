@@ -30,6 +30,7 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   countedLanesRun += o.countedLanesRun;
   countedLanesUsed += o.countedLanesUsed;
   invalidCoefficients += o.invalidCoefficients;
+  invalidVelocities += o.invalidVelocities;
   invalidClosures += o.invalidClosures;
   frameHeapBlocks += o.frameHeapBlocks;
   media += o.media;

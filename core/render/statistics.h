@@ -33,6 +33,7 @@ struct WorkerStatistics {
   std::uint64_t countedLanesRun = 0;  ///< Weighted by the cost of each block of code; kernels with counters alone.
   std::uint64_t countedLanesUsed = 0;
   std::uint64_t invalidCoefficients = 0;  ///< Shader results that were NaN, infinite or negative.
+  std::uint64_t invalidVelocities = 0;    ///< That were NaN or infinite: their points did not move.
   std::uint64_t invalidClosures = 0;      ///< Surface points with closures that were NaN or infinite.
   volume::StackStatistics media;
   std::vector<KernelStatistics> kernels;           ///< By family · variantCount + variant.

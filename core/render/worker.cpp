@@ -82,6 +82,7 @@ bool Worker::startPath(std::uint32_t index) {
   camera.x = static_cast<float>(id.x) + 0.5f + offset.dx;
   camera.y = static_cast<float>(id.y) + 0.5f + offset.dy;
   if (scene.camera->hasLens()) camera.lens = random.next2D();
+  camera.time = scene.changes ? scene.shutter.at(random.time()) : scene.shutter.open;
   slot.tile = &tile;
   slot.filterWeight = offset.weight;
   slot.path->restart(id, random);

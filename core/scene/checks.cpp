@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace aerosol::scene {
@@ -46,8 +47,14 @@ void checkSensor(const Sensor& sensor, Reporter& reporter) {
     reporter.error(sensor.origin.of(name), fmt::format("'near_clip' ({}) has to be less than 'far_clip' ({})",
                                                        sensor.nearClip, sensor.farClip));
   }
-  if (sensor.type != SensorType::orthographic && !isRigid(sensor.toWorld.matrix())) {
+  const auto isStiff = [](const MotionKey& key) { return isRigid(key.matrix); };
+  if (sensor.type != SensorType::orthographic &&
+      (!isRigid(sensor.toWorld.matrix()) || !std::ranges::all_of(sensor.toWorld.keys, isStiff))) {
     reporter.error(sensor.origin.of("to_world"), "the transform of a camera must not scale or shear");
+  }
+  if (sensor.shutter().close < sensor.shutter().open) {
+    reporter.error(sensor.origin.of("shutter_close"), fmt::format("the shutter closes ({} s) before it opens ({} s)",
+                                                                  sensor.shutter().close, sensor.shutter().open));
   }
   if (sensor.origin.has("fov_axis") && !sensor.fov) {
     reporter.error(sensor.origin.of("fov_axis"), "'fov_axis' has no meaning without 'fov'");

@@ -14,6 +14,7 @@
 #include "core/base/color.h"
 #include "core/base/diagnostic.h"
 #include "core/base/geometry.h"
+#include "core/scene/placement.h"
 #include "core/scene/source_text.h"
 #include "core/scene/value.h"
 
@@ -184,7 +185,7 @@ struct FieldOfView {
 
 struct Sensor {
   SensorType type = SensorType::perspective;
-  Transform<World, Camera>
+  Placement<World, Camera>
       toWorld;               ///< May mirror. Without scale, but of an orthographic one, which sees [-1, 1] in x.
   std::optional<float> fov;  ///< Degrees; see `fieldOfView`.
   FovAxis fovAxis = FovAxis::x;
@@ -195,8 +196,12 @@ struct Sensor {
   float farClip = 10000;
   float apertureRadius = 0;            ///< Of a thinlens, scene units.
   std::optional<float> focusDistance;  ///< Of a thinlens, scene units along the view; `farClip` when not given.
+  float shutterOpen = 0;               ///< Seconds.
+  std::optional<float> shutterClose;   ///< Seconds, not before `shutterOpen`; at the same time when not given.
   std::optional<Index> medium;         ///< What the camera stands in.
   Origin origin;
+
+  Shutter shutter() const { return {shutterOpen, shutterClose.value_or(shutterOpen)}; }
 
   /// From `fov` and `fovAxis`, or from `focalLength` (default 50mm) across the diagonal.
   FieldOfView fieldOfView() const;
@@ -226,7 +231,7 @@ enum class ShapeType : std::uint8_t { obj, ply, sphere, cube, rectangle, disk };
 /// 1 in x and y at z = 0; a disk of radius 1 at z = 0. The normals of the last two point along +z.
 struct Shape {
   ShapeType type = ShapeType::sphere;
-  Transform<World, Object> toWorld;
+  Placement<World, Object> toWorld;
   std::filesystem::path file;  ///< Of obj and ply: an existing file.
   Point<Object> center;
   float radius = 1;
@@ -242,13 +247,29 @@ struct Shape {
   Origin origin;
 };
 
+/// How a volume's medium moves while the shutter is open: what is at x at the reference time is at x + (t - reference)
+/// v at time t.
+struct VelocityBlur {
+  std::string output;        ///< Of the medium's shader; empty: none.
+  std::string grid;          ///< A vector grid instead; empty: none.
+  std::string file;          ///< Of the grid; empty: the volume's own.
+  float scale = 1;           ///< Factor on velocities.
+  std::optional<float> fps;  ///< Velocities are per frame, of which so many make a second; none: per second.
+  float referenceTime = 0;   ///< Seconds.
+
+  bool isWanted() const { return !output.empty() || !grid.empty(); }
+  /// To scene units per second.
+  float factor() const { return scale * fps.value_or(1.0f); }
+};
+
 /// An additive volume primitive without boundary.
 struct Volume {
   std::string type;
-  Transform<World, Object> toWorld;
+  Placement<World, Object> toWorld;
   std::vector<NamedValue> parameters;
   Index medium = 0;
-  MediumSampling sampling;             ///< Goes before the medium's own.
+  MediumSampling sampling;  ///< Goes before the medium's own.
+  VelocityBlur velocity;
   std::vector<NamedValue> attributes;  ///< For shaders that ask: "user:…".
   Origin origin;
 

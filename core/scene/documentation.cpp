@@ -68,6 +68,9 @@ Parameters are written <TYPE name="…" value="…"/> with the types
   transform, which holds steps, each applied after those before it:
     <translate x y z | value/>  <scale x y z | value/>  <rotate x y z | value, angle (degrees)/>
     <lookat origin target up/>  <matrix value (16 or 9 numbers, row by row)/>
+  animation, in the place of a to_world of sensors, shapes and volumes: 1 to 64 <transform time="…"> (seconds). Between
+    two of them translations and stretches change evenly and rotations take the shortest way; outside they stand still.
+    Blur shows from shutter_open to shutter_close of the sensor.
 
 Shaders (bsdf, medium, texture) take other shaders as inputs of their parameters:
   <texture name="PARAMETER" type="SHADER" output="…"> in a shader is a layer whose output feeds that parameter, or the
@@ -99,6 +102,7 @@ std::vector<ObjectDoc> objectDocs(const KnownTypes& known) {
   for (const VolumeType& type : known.volumes) {
     ObjectDoc object{"volume", type.type, {}, type.doc, "medium", type.parameters};
     for (const ParameterSpec& spec : specsOf(volumeFields())) object.parameters.push_back(spec);
+    for (const ParameterSpec& spec : specsOf(velocityFields())) object.parameters.push_back(spec);
     for (const ParameterSpec& spec : specsOf(samplingFields())) object.parameters.push_back(spec);
     docs.push_back(std::move(object));
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/diagnostic.h"
+#include "core/base/motion.h"
 #include "core/scene/value.h"
 
 namespace aerosol::scene {
@@ -19,6 +20,7 @@ struct Property {
   SourceLocation location;      ///< Of the element.
   SourceLocation nameLocation;  ///< Of the text of the name.
   SourceLocation valueLocation;
+  std::vector<MotionKey> keys = {};  ///< Of an `<animation>`; `value` is the first of them.
 };
 
 /// What a shader does, written into the scene or standing in a file: `<source>` or `<group>`.

@@ -46,6 +46,8 @@ template <class T>
 struct Field {
   ParameterSpec spec;
   std::function<std::string(T&, const Value&)> set;
+  /// Takes transforms by time in place of a single one; null where that means nothing.
+  std::function<void(T&, const std::vector<MotionKey>&)> animate = {};
 };
 
 /// The objects of one XML type.
@@ -125,6 +127,16 @@ struct Member<Transform<To, From>> {
   static std::vector<std::string> choices() { return {}; }
 };
 
+template <class To, class From>
+struct Member<Placement<To, From>> : Member<Transform<To, From>> {
+  static std::string set(Placement<To, From>& member, const Value& value) {
+    member.keys.clear();
+    return Member<Transform<To, From>>::set(member, value);
+  }
+  static std::optional<Value> get(const Placement<To, From>&) { return std::nullopt; }
+  static void animate(Placement<To, From>& member, const std::vector<MotionKey>& keys) { member.keys = keys; }
+};
+
 template <class E>
   requires std::is_enum_v<E>
 struct Member<E> {
@@ -172,8 +184,14 @@ auto field(ParameterSpec spec) {
   spec.type = Access::type;
   spec.choices = Access::choices();
   if (!spec.required && spec.defaultText.empty()) spec.defaultValue = Access::get(Object{}.*pointer);
-  return Field<Object>{std::move(spec),
+  Field<Object> result{std::move(spec),
                        [](Object& object, const Value& value) { return Access::set(object.*pointer, value); }};
+  if constexpr (requires(Object& object, const std::vector<MotionKey>& keys) {
+                  Access::animate(object.*pointer, keys);
+                }) {
+    result.animate = [](Object& object, const std::vector<MotionKey>& keys) { Access::animate(object.*pointer, keys); };
+  }
+  return result;
 }
 
 /// The field with this name, or null.

@@ -217,9 +217,14 @@ class SceneBuilder {
     PropertyReader reader(element, volume.origin, reporter_);
     reader.apply(type->parameters, volume.parameters);
     reader.apply(volumeFields(), volume);
+    reader.apply(velocityFields(), volume.velocity);
     reader.apply(samplingFields(), volume.sampling);
     reader.applyAttributes(volume.attributes);
     reader.finish();
+    if (!volume.velocity.output.empty() && !volume.velocity.grid.empty()) {
+      reporter_.error(volume.origin.of("velocity_grid"),
+                      "'velocity' and 'velocity_grid' both give the velocity: write one of them");
+    }
     if (!medium.object) {
       if (children.empty() && element.children.empty()) {
         reporter_.error(element.location, fmt::format("{} lacks its medium", describe(element)),

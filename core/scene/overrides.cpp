@@ -182,10 +182,14 @@ class Targets {
   void addVolume(Volume& volume) {
     const VolumeType& type = *known_.volume(volume.type);
     Target target{"volume", volume.type, volume.origin.id, namesOf(volumeFields()), false, {}};
+    for (const std::string& name : namesOf(velocityFields())) target.parameters.push_back(name);
     for (const std::string& name : namesOf(samplingFields())) target.parameters.push_back(name);
     for (const ParameterSpec& spec : type.parameters) target.parameters.push_back(spec.name);
     target.set = [&volume, &type](const Assignment& a) {
       if (findField(volumeFields(), a.parameter)) return setField(volumeFields(), volume, volume.origin, a);
+      if (findField(velocityFields(), a.parameter)) {
+        return setField(velocityFields(), volume.velocity, volume.origin, a);
+      }
       if (findField(samplingFields(), a.parameter)) {
         return setField(samplingFields(), volume.sampling, volume.origin, a);
       }

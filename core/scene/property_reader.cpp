@@ -66,9 +66,16 @@ PropertyReader::Taken PropertyReader::take(const ParameterSpec& spec) {
   return {property, std::move(value)};
 }
 
+bool PropertyReader::refuseMotion(const Property& property) const {
+  reporter_.error(property.location, fmt::format("'{}' of {} cannot be animated: give it one transform", property.name,
+                                                 describe(element_)));
+  return false;
+}
+
 void PropertyReader::apply(const std::vector<ParameterSpec>& specs, std::vector<NamedValue>& values) {
   for (const ParameterSpec& spec : specs) {
     Taken taken = take(spec);
+    if (taken.property && !taken.property->keys.empty()) refuseMotion(*taken.property);
     if (taken.value)
       values.push_back({spec.name, std::move(*taken.value)});
     else if (spec.defaultValue)
@@ -79,6 +86,7 @@ void PropertyReader::apply(const std::vector<ParameterSpec>& specs, std::vector<
 void PropertyReader::applyAttributes(std::vector<NamedValue>& attributes) {
   std::erase_if(open_, [&](const Property* property) {
     if (!property->name.starts_with("user:")) return false;
+    if (!property->keys.empty()) refuseMotion(*property);
     if (property->value) attributes.push_back({property->name, *property->value});
     return true;
   });

@@ -22,6 +22,8 @@ class PropertyReader {
       if (!taken.value) continue;
       if (const std::string problem = field.set(object, *taken.value); !problem.empty()) {
         reporter_.error(taken.property->valueLocation, problem);
+      } else if (!taken.property->keys.empty() && (field.animate || refuseMotion(*taken.property))) {
+        field.animate(object, taken.property->keys);
       }
     }
   }
@@ -44,6 +46,8 @@ class PropertyReader {
 
   /// The converted and checked value of a parameter; reports when it is wrong or missing though required.
   Taken take(const ParameterSpec& spec);
+  /// Reports an animation where only one transform is possible. False.
+  bool refuseMotion(const Property& property) const;
 
   const Element& element_;
   Origin& origin_;

@@ -28,6 +28,11 @@ ShaderUse ShaderBuilder::shaderOf(const Element& element, const std::vector<cons
   shader.origin.location = element.location;
   for (const Property* property : properties) {
     if (!property->value) continue;
+    if (!property->keys.empty()) {
+      reporter_.error(property->location,
+                      fmt::format("'{}' of a shader cannot be animated: give it one transform", property->name));
+      continue;
+    }
     shader.parameters.push_back({property->name, *property->value, property->nameLocation, property->valueLocation});
     shader.origin.parameters[property->name] = property->valueLocation;
   }

@@ -24,8 +24,8 @@ const std::vector<std::string>& directiveTags() {
 }
 
 const std::vector<std::string>& propertyTags() {
-  static const std::vector<std::string> tags = {"float",    "integer", "boolean", "string",   "rgb",
-                                                "spectrum", "point",   "vector",  "transform"};
+  static const std::vector<std::string> tags = {"float",    "integer", "boolean", "string",    "rgb",
+                                                "spectrum", "point",   "vector",  "transform", "animation"};
   return tags;
 }
 
@@ -42,7 +42,7 @@ ValueType typeOfTag(const std::string& tag) {
   if (tag == "string") return ValueType::string;
   if (tag == "point") return ValueType::point;
   if (tag == "vector") return ValueType::vector;
-  if (tag == "transform") return ValueType::transform;
+  if (tag == "transform" || tag == "animation") return ValueType::transform;
   return ValueType::color;
 }
 
@@ -366,10 +366,16 @@ class TreeReader {
                       .location = at(xml),
                       .nameLocation = attributes.at("name"),
                       .valueLocation = attributes.at("value")};
-    if (type == ValueType::transform)
+    if (xml.tag == "animation") {
+      if (auto keys = readAnimation(xml, context())) {
+        property.value = keys->front().matrix;
+        property.keys = std::move(*keys);
+      }
+    } else if (type == ValueType::transform) {
       property.value = readTransform(xml, context());
-    else if (attributes.valid())
+    } else if (attributes.valid()) {
       property.value = split ? readSplit(xml, attributes, type) : readText(xml, attributes, type);
+    }
     if (const Property* first = findProperty(object, property.name)) {
       reporter_.error(property.nameLocation, fmt::format("parameter '{}' is given twice", property.name),
                       {fmt::format("the first one is at {}", format(first->nameLocation))});

@@ -17,6 +17,8 @@ const std::vector<TypeTable<Phase>>& phaseTypes();
 const std::vector<TypeTable<Emitter>>& emitterTypes();
 /// Sampling parameters, of media and volumes.
 const std::vector<Field<MediumSampling>>& samplingFields();
+/// Velocity blur, of volumes.
+const std::vector<Field<VelocityBlur>>& velocityFields();
 /// What all volumes have beside the parameters of their type and `samplingFields`.
 const std::vector<Field<Volume>>& volumeFields();
 

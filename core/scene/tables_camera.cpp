@@ -9,7 +9,8 @@ namespace {
 
 constexpr int longestSide = 1 << 16;
 
-void addClipPlanes(std::vector<Field<Sensor>>& fields) {
+/// Clip planes and shutter, which all cameras have.
+void addPlanesAndShutter(std::vector<Field<Sensor>>& fields) {
   fields.push_back(field<&Sensor::nearClip>({.name = "near_clip",
                                              .unit = "scene units",
                                              .doc = "nothing nearer along the view is seen",
@@ -18,6 +19,12 @@ void addClipPlanes(std::vector<Field<Sensor>>& fields) {
                                             .unit = "scene units",
                                             .doc = "nothing farther along the view is seen",
                                             .range = Range::positive()}));
+  fields.push_back(
+      field<&Sensor::shutterOpen>({.name = "shutter_open", .unit = "seconds", .doc = "when light is let in"}));
+  fields.push_back(field<&Sensor::shutterClose>({.name = "shutter_close",
+                                                 .unit = "seconds",
+                                                 .doc = "until when; without it the picture is of one instant",
+                                                 .defaultText = "shutter_open"}));
 }
 
 std::vector<Field<Sensor>> orthographicFields() {
@@ -26,7 +33,7 @@ std::vector<Field<Sensor>> orthographicFields() {
                                .doc = "camera to world; the camera looks along +z and sees -1 to 1 in x, so its scale "
                                       "says how much of the scene",
                                .defaultText = "identity"})};
-  addClipPlanes(fields);
+  addPlanesAndShutter(fields);
   return fields;
 }
 
@@ -58,7 +65,7 @@ std::vector<Field<Sensor>> perspectiveFields() {
                                        .unit = "film heights",
                                        .doc = "shifts the film downwards against the view's axis"}),
   };
-  addClipPlanes(fields);
+  addPlanesAndShutter(fields);
   return fields;
 }
 

@@ -167,6 +167,26 @@ const std::vector<Field<MediumSampling>>& samplingFields() {
   return fields;
 }
 
+const std::vector<Field<VelocityBlur>>& velocityFields() {
+  static const std::vector<Field<VelocityBlur>> fields = {
+      field<&VelocityBlur::output>(
+          {.name = "velocity",
+           .doc = "output of the medium's shader that gives its velocity, a vector in world space: blurs it"}),
+      field<&VelocityBlur::grid>(
+          {.name = "velocity_grid", .doc = "instead of velocity: a vector grid, in the space of its file"}),
+      field<&VelocityBlur::file>(
+          {.name = "velocity_file", .doc = "the file of velocity_grid", .defaultText = "the volume's filename"}),
+      field<&VelocityBlur::scale>({.name = "velocity_scale", .doc = "factor on velocities"}),
+      field<&VelocityBlur::fps>({.name = "fps",
+                                 .unit = "frames per second",
+                                 .doc = "velocities are scene units per frame",
+                                 .defaultText = "per second",
+                                 .range = Range::positive()}),
+      field<&VelocityBlur::referenceTime>(
+          {.name = "reference_time", .unit = "seconds", .doc = "when the medium is where its shader has it"})};
+  return fields;
+}
+
 const std::vector<Field<Volume>>& volumeFields() {
   static const std::vector<Field<Volume>> fields = {field<&Volume::toWorld>(
       {.name = "to_world", .doc = "the primitive's own space to world", .defaultText = "identity"})};

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -220,6 +221,38 @@ std::optional<Matrix4> readTransform(const XmlElement& xml, ReadContext context)
     }
   }
   return product;
+}
+
+std::optional<std::vector<MotionKey>> readAnimation(const XmlElement& xml, ReadContext context) {
+  std::vector<MotionKey> keys;
+  std::vector<SourceLocation> places;
+  bool valid = true;
+  for (const XmlElement& child : xml.children) {
+    if (child.tag != "transform") {
+      context.reporter.error(context.source.at(child.offset),
+                             fmt::format("<{}> does not belong in <animation>", child.tag),
+                             {"it holds <transform time=\"…\"> elements"});
+      valid = false;
+      continue;
+    }
+    const Attributes attributes(child, {"time"}, {}, context);
+    const auto matrix = readTransform(child, context);
+    TextError error;
+    const auto time = attributes.valid() ? parseNumber(attributes.text("time"), error) : std::nullopt;
+    if (attributes.valid() && !time) attributes.report(*attributes.find("time"), error);
+    valid = valid && matrix && time;
+    if (!matrix || !time) continue;
+    keys.push_back({*time, *matrix});
+    places.push_back(context.source.at(child.offset));
+  }
+  if (!valid) return std::nullopt;
+  if (const auto problem = Motion::findProblem(keys)) {
+    const bool isOfKey = problem->key < places.size();
+    context.reporter.error(isOfKey ? places[problem->key] : context.source.at(xml.offset), problem->message);
+    return std::nullopt;
+  }
+  std::ranges::sort(keys, {}, &MotionKey::time);
+  return keys;
 }
 
 }  // namespace aerosol::scene

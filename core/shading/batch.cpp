@@ -44,12 +44,18 @@ void PointArrays::bind(const Family& family, Variant variant) {
   family_ = &family;
   kernel_ = &family.kernel(variant);
   columns_.clear();
+  timeColumn_.reset();
   for (int i = 0; i < jit::globalPointerCount; ++i) {
     if (kernel_->interface().globalsRead >> i & 1u) {
       columns_.push_back({static_cast<std::size_t>(i), volumeComponent(i), nullptr});
     }
   }
   size_ = capacity_ = 0;
+  if (!family.moves()) return;
+  const auto time = static_cast<std::size_t>(jit::globalPointer(lang::Global::time));
+  const auto isTime = [time](const Column& column) { return column.component == time; };
+  if (std::ranges::none_of(columns_, isTime)) columns_.push_back({time, 6, nullptr});
+  timeColumn_ = static_cast<std::size_t>(std::ranges::find_if(columns_, isTime) - columns_.begin());
 }
 
 void PointArrays::grow() {
@@ -101,6 +107,14 @@ void Batch::run(KernelHost& host, const PointArrays& points, std::size_t first) 
   arguments.outputs = outputPointers_.data();
   arguments.count = static_cast<std::int32_t>(points.size() - first);
   host.begin(kernel_->interface(), *family_, points.size() - first);
+  if (points.timeColumn_) [[unlikely]] {
+    const std::size_t count = points.size() - first;
+    moved_.place(*family_, interface().instanceStride, {arguments.instances, count},
+                 {points.columns_[*points.timeColumn_].values + first, count}, stride_);
+    arguments.instances = moved_.numbers();
+    arguments.instanceData = moved_.blocks();
+    host.setInstanceData(moved_.blocks());
+  }
   (*kernel_)(arguments);
 }
 

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/shading/kernel_host.h"
+#include "core/shading/moved_instances.h"
 #include "core/shading/shading_point.h"
 #include "core/shading/shading_system.h"
 
@@ -29,7 +31,7 @@ using AlignedArray = std::unique_ptr<T[], FreeMemory>;
 struct VolumePoint {
   Point<World> point;
   Vector<World> direction;  ///< Of the ray.
-  float time = 0;           ///< Seconds within the shutter.
+  float time = 0;           ///< Seconds of the scene's time.
 };
 
 /// The points that wait for one kernel, in the kernel's own arrays: any number, taken off at the end. Only what the
@@ -73,6 +75,7 @@ class PointArrays {
   const Family* family_ = nullptr;
   const jit::Kernel* kernel_ = nullptr;
   std::vector<Column> columns_;
+  std::optional<std::size_t> timeColumn_;  ///< Where instances move.
   std::size_t size_ = 0, capacity_ = 0;
   detail::AlignedArray<float> floats_;
   detail::AlignedArray<std::int32_t> instances_;
@@ -104,6 +107,7 @@ class Batch {
   std::vector<void*> outputPointers_;
   const jit::Kernel* kernel_ = nullptr;
   const Family* family_ = nullptr;
+  MovedInstances moved_;
 };
 
 }  // namespace aerosol::shading

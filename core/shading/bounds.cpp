@@ -50,6 +50,71 @@ RowRange rowRange(const Matrix4& map, std::size_t row, const Corner& low, const 
   return range;
 }
 
+/// The places of an instance that moves, over the time of some boxes. What lies between two of the times that are
+/// looked at is covered by the largest second difference.
+class Places {
+ public:
+  Places(const Instance& instance, std::span<const VolumeBox> boxes) : first_(instance.objectToWorld.matrix()) {
+    if (!instance.motion || boxes.empty()) return;
+    float begin = infinity, end = -infinity;
+    for (const VolumeBox& box : boxes) {
+      begin = std::min(begin, box.timeLow);
+      end = std::max(end, box.timeHigh);
+    }
+    for (int i = 0; i < looks; ++i) {
+      const float u = static_cast<float>(i) / static_cast<float>(looks - 1);
+      const Transform<World, Object> place = instance.motion->at(begin + u * (end - begin));
+      matrices_.push_back(place.matrix());
+      inverses_.push_back(place.inverseMatrix());
+    }
+  }
+  bool isStill() const { return matrices_.empty(); }
+
+  /// Of a coordinate of the world, at all times.
+  RowRange world(std::size_t row, const Corner& low, const Corner& high) const {
+    RowRange all{infinity, -infinity, 0};
+    RowRange before{}, last{};
+    double bend = 0;
+    for (std::size_t i = 0; i < matrices_.size(); ++i) {
+      const RowRange next = rowRange(matrices_[i], row, low, high);
+      all = {std::min(all.low, next.low), std::max(all.high, next.high), std::max(all.magnitude, next.magnitude)};
+      if (i > 1) {
+        bend = std::max(
+            {bend, std::abs(before.low - 2 * last.low + next.low), std::abs(before.high - 2 * last.high + next.high)});
+      }
+      before = last;
+      last = next;
+    }
+    return {all.low - bend, all.high + bend, all.magnitude + bend};
+  }
+
+  /// How far a coordinate of the world may be from where the first place puts it.
+  double deviation(std::size_t row, const Corner& low, const Corner& high) const {
+    double most = 0, step = 0, last = 0;
+    for (const Matrix4& m : matrices_) {
+      double off = std::abs(m[row][3] - first_[row][3]);
+      for (std::size_t i = 0; i < 3; ++i)
+        off += std::abs(m[row][i] - first_[row][i]) * std::max(std::abs(low[i]), std::abs(high[i]));
+      step = std::max(step, std::abs(off - last));
+      most = std::max(most, off);
+      last = off;
+    }
+    return most + step;
+  }
+
+  /// The sum of magnitudes on the way of a coordinate back to the object.
+  double magnitude(std::size_t row, const Corner& low, const Corner& high) const {
+    double most = 0;
+    for (const Matrix4& m : inverses_) most = std::max(most, rowRange(m, row, low, high).magnitude);
+    return most;
+  }
+
+ private:
+  static constexpr int looks = 33;
+  const Matrix4& first_;
+  std::vector<Matrix4> matrices_, inverses_;
+};
+
 void join(Bound& bound, const Bound& other) {
   bound.low = std::max(bound.low, other.low);
   bound.high = std::max(bound.high, other.high);
@@ -138,6 +203,7 @@ void BoundsBatch::gather(const Instance& placed, std::span<const VolumeBox> boxe
     arrays_->input(2 * static_cast<std::size_t>(component))[box] = low;
     arrays_->input(2 * static_cast<std::size_t>(component) + 1)[box] = high;
   };
+  const Places places(placed, boxes);
   const Matrix4& toWorld = placed.objectToWorld.matrix();
   const Matrix4& toObject = placed.objectToWorld.inverseMatrix();
   const int p = jit::globalPointer(lang::Global::P);
@@ -146,7 +212,9 @@ void BoundsBatch::gather(const Instance& placed, std::span<const VolumeBox> boxe
     const VolumeBox& box = boxes[i];
     Corner low{}, high{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const RowRange world = rowRange(toWorld, k, corner(box.box.lower), corner(box.box.upper));
+      const Corner boxLow = corner(box.box.lower), boxHigh = corner(box.box.upper);
+      const RowRange world =
+          places.isStill() ? rowRange(toWorld, k, boxLow, boxHigh) : places.world(k, boxLow, boxHigh);
       const double slack = world.magnitude * 1e-14;  // The two matrices are each other's inverses in doubles.
       const float lower = below(world.low - slack), upper = above(world.high + slack);
       low[k] = static_cast<double>(lower);
@@ -156,13 +224,19 @@ void BoundsBatch::gather(const Instance& placed, std::span<const VolumeBox> boxe
     }
     for (std::size_t k = 0; k < 3; ++k) {
       const RowRange object = rowRange(toObject, k, low, high);
-      const double slack = object.magnitude * transformError;
+      const double slack = std::max(object.magnitude, places.magnitude(k, low, high)) * transformError;
       const int axis = static_cast<int>(k);
       put(jit::globalPointerCount + axis, i, below(static_cast<double>(box.box.lower[axis]) - slack),
           above(static_cast<double>(box.box.upper[axis]) + slack));
     }
     put(jit::globalPointer(lang::Global::time), i, box.timeLow, box.timeHigh);
     gatherLine(toWorld, box.box, i);
+    if (places.isStill()) continue;
+    for (std::size_t row = 0; row < 3; ++row) {
+      float& rest = arrays_->input(jit::rangeLineStart + row * jit::rangeLineParts + 4)[i];
+      const double more = places.deviation(row, corner(box.box.lower), corner(box.box.upper));
+      rest = above(static_cast<double>(rest) + more);
+    }
   }
 }
 
@@ -228,11 +302,10 @@ void BoundsBatch::scatter(const jit::KernelInterface& interface, std::span<Coeff
   }
 }
 
-void BoundsBatch::evaluate(KernelHost& host, const Family& family, std::uint32_t instance,
-                           std::span<const VolumeBox> boxes, std::span<CoefficientBounds> bounds) {
-  assert(family.bounds && bounds.size() == boxes.size());
-  const jit::KernelInterface& interface = family.bounds->interface();
-  arrays_->reserve(capacity_, interface.outputs.size());
+template <class Scatter>
+void BoundsBatch::run(KernelHost& host, const Family& family, const jit::Kernel& kernel, std::uint32_t instance,
+                      std::span<const VolumeBox> boxes, Scatter scatter) {
+  arrays_->reserve(capacity_, kernel.interface().outputs.size());
   std::fill_n(arrays_->instances, capacity_, static_cast<std::int32_t>(instance));
   for (std::size_t first = 0; first < boxes.size(); first += capacity_) {
     const std::size_t count = std::min(capacity_, boxes.size() - first);
@@ -245,9 +318,37 @@ void BoundsBatch::evaluate(KernelHost& host, const Family& family, std::uint32_t
     arguments.instanceData = family.instanceData.data();
     arguments.outputs = arrays_->outputPointers.data();
     arguments.count = static_cast<std::int32_t>(count);
-    (*family.bounds)(arguments);
-    scatter(interface, bounds.subspan(first, count));
+    kernel(arguments);
+    scatter(first, count);
   }
+}
+
+void BoundsBatch::evaluate(KernelHost& host, const Family& family, std::uint32_t instance,
+                           std::span<const VolumeBox> boxes, std::span<CoefficientBounds> bounds) {
+  assert(family.bounds && bounds.size() == boxes.size());
+  run(host, family, *family.bounds, instance, boxes,
+      [&](std::size_t first, std::size_t count) { scatter(family.bounds->interface(), bounds.subspan(first, count)); });
+}
+
+void BoundsBatch::evaluateVelocity(KernelHost& host, const Family& family, std::uint32_t instance,
+                                   std::span<const VolumeBox> boxes, std::span<VelocityBounds> bounds) {
+  assert(family.velocityBounds && bounds.size() == boxes.size());
+  run(host, family, *family.velocityBounds, instance, boxes, [&](std::size_t first, std::size_t count) {
+    const auto& outputs = family.velocityBounds->interface().outputs;
+    for (std::size_t k = 0; k < outputs.size(); ++k) {
+      const auto* floats = static_cast<const float*>(arrays_->outputPointers[k]);
+      const auto* flags = static_cast<const std::uint32_t*>(arrays_->outputPointers[k]);
+      for (std::size_t i = 0; i < count; ++i) {
+        VelocityBounds& each = bounds[first + i];
+        if (outputs[k].part == jit::OutputPart::mayBeNan) {
+          each.mayBeNan = each.mayBeNan || flags[i] != 0;
+        } else {
+          Bound& bound = each.velocity[outputs[k].component];
+          (outputs[k].part == jit::OutputPart::low ? bound.low : bound.high) = floats[i];
+        }
+      }
+    }
+  });
 }
 
 }  // namespace aerosol::shading

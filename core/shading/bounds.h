@@ -54,6 +54,12 @@ struct CoefficientBounds {
   bool isUniform(float tolerance) const;
 };
 
+/// Bounds of a velocity, each coordinate by itself.
+struct VelocityBounds {
+  std::array<Bound, 3> velocity;
+  bool mayBeNan = false;
+};
+
 /// Largest relative difference that no image shows and that rounding alone may cause in a constant.
 inline constexpr float uniformTolerance = 1e-5f;
 
@@ -70,9 +76,16 @@ class BoundsBatch {
   /// must have a bounds kernel (ShadingSystem::compileBounds). Boxes that are empty give bounds that mean nothing.
   void evaluate(KernelHost& host, const Family& family, std::uint32_t instance, std::span<const VolumeBox> boxes,
                 std::span<CoefficientBounds> bounds);
+  /// The same of the velocity, where the family has such a kernel.
+  void evaluateVelocity(KernelHost& host, const Family& family, std::uint32_t instance,
+                        std::span<const VolumeBox> boxes, std::span<VelocityBounds> bounds);
 
  private:
   struct Arrays;
+  /// Runs the kernel on part after part of the boxes; `scatter(first, count)` takes the results.
+  template <class Scatter>
+  void run(KernelHost& host, const Family& family, const jit::Kernel& kernel, std::uint32_t instance,
+           std::span<const VolumeBox> boxes, Scatter scatter);
   void gather(const Instance& placed, std::span<const VolumeBox> boxes);
   void gatherLine(const Matrix4& toWorld, const Box<Object>& box, std::size_t at);
   void scatter(const jit::KernelInterface& interface, std::span<CoefficientBounds> bounds) const;

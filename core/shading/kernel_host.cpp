@@ -8,13 +8,36 @@
 
 namespace aerosol::shading {
 
+namespace {
+
+void writeMatrix(const Matrix4& matrix, float* rows) {
+  for (std::size_t i = 0; i < 16; ++i) rows[i] = static_cast<float>(matrix[i / 4][i % 4]);
+}
+
+}  // namespace
+
 void NamedSpaces::add(const std::string& name, const Matrix4& toWorld, const Matrix4& fromWorld) {
   Space space;
-  for (std::size_t i = 0; i < 16; ++i) {
-    space.toWorld[i] = static_cast<float>(toWorld[i / 4][i % 4]);
-    space.fromWorld[i] = static_cast<float>(fromWorld[i / 4][i % 4]);
-  }
-  spaces_[hashString(name)] = space;
+  writeMatrix(toWorld, space.toWorld.data());
+  writeMatrix(fromWorld, space.fromWorld.data());
+  spaces_.insert_or_assign(hashString(name), std::move(space));
+}
+
+void NamedSpaces::addCamera(const MovingTransform<World, Camera>& toWorld, const CameraProjection& camera) {
+  const auto addProjection = [&](const std::string& name, const Matrix4& fromCamera) {
+    Space space;
+    space.motion.emplace(toWorld);
+    space.fromCamera = fromCamera;
+    if (invert(fromCamera, space.toCamera)) spaces_.insert_or_assign(hashString(name), std::move(space));
+  };
+  Matrix4 pixels = identityMatrix();
+  pixels[0][0] = camera.width;
+  pixels[1][1] = camera.height;
+  const Matrix4 ndc = multiply(camera.screenToNdc, camera.toScreen);
+  addProjection("camera", identityMatrix());
+  addProjection("screen", camera.toScreen);
+  addProjection("NDC", ndc);
+  addProjection("raster", multiply(pixels, ndc));
 }
 
 void NamedSpaces::addCamera(const Matrix4& worldToCamera, const CameraProjection& camera) {
@@ -66,7 +89,8 @@ void KernelHost::begin(const jit::KernelInterface& interface, const Family& fami
 }
 
 /// Kernels know the spaces of the language themselves, except by names that are only known when they run.
-bool KernelHost::spaceMatrix(std::uint64_t name, std::uint32_t instance, bool toWorld, float* matrix) const {
+bool KernelHost::spaceMatrix(std::uint64_t name, std::uint32_t instance, float time, bool toWorld,
+                             float* matrix) const {
   static constexpr std::array<float, 16> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   static const std::uint64_t common = hashString("common"), world = hashString("world");
   static const std::uint64_t object = hashString("object"), shader = hashString("shader");
@@ -82,18 +106,26 @@ bool KernelHost::spaceMatrix(std::uint64_t name, std::uint32_t instance, bool to
     return true;
   }
   const NamedSpaces::Space* space = spaces_.find(name);
-  if (space) std::ranges::copy(toWorld ? space->toWorld : space->fromWorld, matrix);
-  return space != nullptr;
+  if (!space) return false;
+  if (space->motion) {
+    const Transform<World, Camera> placed = space->motion->at(time);
+    writeMatrix(
+        toWorld ? multiply(placed.matrix(), space->toCamera) : multiply(space->fromCamera, placed.inverseMatrix()),
+        matrix);
+    return true;
+  }
+  std::ranges::copy(toWorld ? space->toWorld : space->fromWorld, matrix);
+  return true;
 }
 
-std::int32_t KernelHost::spaceToWorld(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance, float,
-                                      float* matrix) {
-  return of(context).spaceMatrix(name, instance, true, matrix);
+std::int32_t KernelHost::spaceToWorld(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance,
+                                      float time, float* matrix) {
+  return of(context).spaceMatrix(name, instance, time, true, matrix);
 }
 
-std::int32_t KernelHost::worldToSpace(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance, float,
-                                      float* matrix) {
-  return of(context).spaceMatrix(name, instance, false, matrix);
+std::int32_t KernelHost::worldToSpace(AerosolKernelContext* context, std::uint64_t name, std::uint32_t instance,
+                                      float time, float* matrix) {
+  return of(context).spaceMatrix(name, instance, time, false, matrix);
 }
 
 }  // namespace aerosol::shading

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "core/base/motion.h"
 #include "core/jit/kernel_interface.h"
 #include "core/lang/abi.h"
 #include "core/shading/host_functions.h"
@@ -27,10 +29,14 @@ class NamedSpaces {
   void add(const std::string& name, const Matrix4& toWorld, const Matrix4& fromWorld);
   /// "screen", "NDC" and "raster" of a camera.
   void addCamera(const Matrix4& worldToCamera, const CameraProjection& camera);
+  /// The same of a camera that moves, and "camera".
+  void addCamera(const MovingTransform<World, Camera>& toWorld, const CameraProjection& camera);
 
   struct Space {
-    std::array<float, 16> toWorld;  ///< Row-major, for column vectors.
-    std::array<float, 16> fromWorld;
+    std::array<float, 16> toWorld{};  ///< Row-major, for column vectors.
+    std::array<float, 16> fromWorld{};
+    std::optional<MovingTransform<World, Camera>> motion;  ///< Then these maps alone count:
+    Matrix4 fromCamera{}, toCamera{};
   };
   /// Null when there is none of that name.
   const Space* find(std::uint64_t nameHash) const;
@@ -65,6 +71,8 @@ class KernelHost {
 
   /// A kernel is about to run on points 0 to count - 1 of instances of the family.
   void begin(const jit::KernelInterface& interface, const Family& family, std::size_t count);
+  /// The blocks that the kernel's instance numbers mean, where they are not the family's.
+  void setInstanceData(const unsigned char* blocks) { instanceData_ = blocks; }
   /// Answers the kernel's calls of host functions.
   HostCalls& calls() { return calls_; }
 
@@ -84,8 +92,8 @@ class KernelHost {
   static void call(AerosolKernelContext* context, const AerosolHostCall* call);
 
   static const AerosolHostServices services_;
-  /// Writes 16 floats of a named space for an instance; false when the name is unknown.
-  bool spaceMatrix(std::uint64_t name, std::uint32_t instance, bool toWorld, float* matrix) const;
+  /// Writes 16 floats of a named space for an instance at a time; false when the name is unknown.
+  bool spaceMatrix(std::uint64_t name, std::uint32_t instance, float time, bool toWorld, float* matrix) const;
 
   Context context_;
   const NamedSpaces& spaces_;

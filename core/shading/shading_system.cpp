@@ -44,6 +44,13 @@ void ShadingSystem::describeObject(InstanceRef instance, std::shared_ptr<const A
   described.surfaceArea = surfaceArea;
 }
 
+bool ShadingSystem::setVelocity(InstanceRef instance, const std::string& output) {
+  std::string& known = families_[instance.family].velocityOutput;
+  if (!known.empty() && known != output) return false;
+  known = output;
+  return true;
+}
+
 namespace {
 
 /// Parameters with one value in all instances. Bits decide, so that -0 and 0 stay apart.
@@ -69,7 +76,8 @@ std::vector<jit::FoldedParameter> foldedParameters(const Family& family) {
   return folded;
 }
 
-std::vector<lang::Output> outputsOf(const lang::Program& program, Variant variant) {
+std::vector<lang::Output> outputsOf(const Family& family, Variant variant) {
+  const lang::Program& program = *family.program;
   using lang::OutputKind;
   std::size_t lobes = 0;
   bool emits = false;
@@ -95,10 +103,18 @@ std::vector<lang::Output> outputsOf(const lang::Program& program, Variant varian
       case Variant::outputs:
         wanted = output.kind == OutputKind::parameter;
         break;
+      case Variant::velocity:
+        wanted = output.kind == OutputKind::parameter && program.parameters[output.index].name == family.velocityOutput;
+        break;
     }
     if (wanted) chosen.push_back(output);
   }
   return chosen;
+}
+
+/// No volume and no surface: it is there for its velocity.
+bool givesVelocityAlone(const Family& family) {
+  return !family.velocityOutput.empty() && !family.program->isVolume() && family.program->closureSites.empty();
 }
 
 void writeMatrix(const Matrix4& m, float* rows) {
@@ -106,6 +122,24 @@ void writeMatrix(const Matrix4& m, float* rows) {
     for (std::size_t j = 0; j < 4; ++j) rows[4 * i + j] = static_cast<float>(m[i][j]);
   }
 }
+
+}  // namespace
+
+bool Family::moves() const {
+  return std::ranges::any_of(instances, [](const Instance& instance) { return instance.motion.has_value(); });
+}
+
+void writePlacement(const Instance& instance, const Transform<World, Object>& objectToWorld, unsigned char* block) {
+  AerosolInstanceHeader header;
+  writeMatrix(objectToWorld.matrix(), header.objectToWorld);
+  writeMatrix(objectToWorld.inverseMatrix(), header.worldToObject);
+  const auto& shaderToWorld = instance.shaderToWorld ? *instance.shaderToWorld : objectToWorld;
+  writeMatrix(shaderToWorld.matrix(), header.shaderToWorld);
+  writeMatrix(shaderToWorld.inverseMatrix(), header.worldToShader);
+  std::memcpy(block, &header, sizeof header);
+}
+
+namespace {
 
 void writeField(const jit::InstanceField& field, const ConstantValue* value, unsigned char* block, Family& family) {
   unsigned char* at = block + field.offset;
@@ -134,13 +168,7 @@ void writeInstanceData(Family& family, const jit::KernelInterface& interface) {
   for (std::size_t i = 0; i < family.instances.size(); ++i) {
     const Instance& instance = family.instances[i];
     unsigned char* block = family.instanceData.data() + i * stride;
-    AerosolInstanceHeader header;
-    writeMatrix(instance.objectToWorld.matrix(), header.objectToWorld);
-    writeMatrix(instance.objectToWorld.inverseMatrix(), header.worldToObject);
-    const auto& shaderToWorld = instance.shaderToWorld.value_or(instance.objectToWorld);
-    writeMatrix(shaderToWorld.matrix(), header.shaderToWorld);
-    writeMatrix(shaderToWorld.inverseMatrix(), header.worldToShader);
-    std::memcpy(block, &header, sizeof header);
+    writePlacement(instance, instance.objectToWorld, block);
     for (const jit::InstanceField& field : interface.fields) {
       const ConstantValue* value = valueOf(*family.program, instance, field.parameter);
       const bool given = std::any_of(instance.values.begin(), instance.values.end(),
@@ -153,11 +181,11 @@ void writeInstanceData(Family& family, const jit::KernelInterface& interface) {
 jit::KernelRequest requestFor(const Family& family, Variant variant, const ShadingOptions& options) {
   jit::KernelRequest request;
   request.program = family.program;
-  request.outputs = outputsOf(*request.program, variant);
+  request.outputs = outputsOf(family, variant);
   request.folded = foldedParameters(family);
-  request.severalInstances = family.instances.size() > 1;
+  request.severalInstances = family.instances.size() > 1 || family.moves();
   request.counters = options.counters;
-  request.messages = variant != Variant::extinction;
+  request.messages = variant != Variant::extinction && variant != Variant::velocity;
   request.target = options.target;
   return request;
 }
@@ -185,12 +213,13 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
   };
   std::vector<Job> jobs;
   for (Family& family : families_) {
+    if (!family.velocityOutput.empty()) jobs.push_back({&family, Variant::velocity, {}});
     if (options.outputsAlone) {
       jobs.push_back({&family, Variant::outputs, {}});
     } else if (family.program->isVolume()) {
       jobs.push_back({&family, Variant::coefficients, {}});
       jobs.push_back({&family, Variant::extinction, {}});
-    } else {
+    } else if (!givesVelocityAlone(family)) {
       jobs.push_back({&family, Variant::surface, {}});
     }
   }
@@ -212,6 +241,7 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
   for (Family& family : families_) {
     const Variant any = options.outputsAlone         ? Variant::outputs
                         : family.program->isVolume() ? Variant::coefficients
+                        : givesVelocityAlone(family) ? Variant::velocity
                                                      : Variant::surface;
     writeInstanceData(family, family.kernel(any).interface());
   }
@@ -224,14 +254,20 @@ Diagnostics ShadingSystem::compileBounds(jit::Compiler& compiler, const ShadingO
     const auto& kernel = family.kernels[static_cast<std::size_t>(Variant::coefficients)];
     if (kernel && !kernel->interface().isConstant()) families.push_back(&family);
   }
-  std::vector<Diagnostics> errors(families.size());
-  inParallel(families.size(), [&](std::size_t i) {
-    jit::KernelRequest request = requestFor(*families[i], Variant::coefficients, options);
+  std::vector<Family*> moving;
+  for (Family& family : families_) {
+    if (!family.velocityOutput.empty()) moving.push_back(&family);
+  }
+  std::vector<Diagnostics> errors(families.size() + moving.size());
+  inParallel(errors.size(), [&](std::size_t i) {
+    const bool isVelocity = i >= families.size();
+    Family& family = isVelocity ? *moving[i - families.size()] : *families[i];
+    jit::KernelRequest request = requestFor(family, isVelocity ? Variant::velocity : Variant::coefficients, options);
     request.domain = jit::Domain::range;
     request.messages = false;
     auto kernel = compiler.compile(request);
     if (kernel) {
-      families[i]->bounds = std::move(*kernel);
+      (isVelocity ? family.velocityBounds : family.bounds) = std::move(*kernel);
     } else {
       errors[i] = kernel.errors();
     }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "core/base/motion.h"
 #include "core/base/result.h"
 #include "core/jit/compiler.h"
 
@@ -23,8 +24,9 @@ enum class Variant : std::uint8_t {
   extinction,    ///< Volumes: sigmaT alone, for shadow rays; no messages.
   surface,       ///< Surfaces: weights and parameters of all closure sites.
   outputs,       ///< Any shader: its output parameters. Made only when asked for.
+  velocity,      ///< The output parameter that Family::velocityOutput names. Made only where it names one.
 };
-inline constexpr std::size_t variantCount = 4;
+inline constexpr std::size_t variantCount = 5;
 
 /// A value that an instance gives to a parameter; its type is that of the program's parameter.
 struct ParameterValue {
@@ -39,7 +41,8 @@ class AttributeTable;
 
 struct Instance {
   std::vector<ParameterValue> values;
-  Transform<World, Object> objectToWorld;
+  Transform<World, Object> objectToWorld;  ///< Of an instance that moves: when the shutter opens.
+  std::optional<MovingTransform<World, Object>> motion;
   /// The space that shaders call "shader"; none: where the object is.
   std::optional<Transform<World, Object>> shaderToWorld;
   std::shared_ptr<const AttributeTable> attributes;  ///< Of the object that it belongs to; may be null.
@@ -56,11 +59,15 @@ struct Family {
   std::shared_ptr<const lang::Program> program;
   std::vector<Instance> instances;
   std::array<std::optional<jit::Kernel>, variantCount> kernels;
-  std::optional<jit::Kernel> bounds;  ///< Volumes: all results over ranges (core/shading/bounds.h).
+  std::optional<jit::Kernel> bounds;          ///< Volumes: all results over ranges (core/shading/bounds.h).
+  std::string velocityOutput;                 ///< A triple; empty: nobody asks for one.
+  std::optional<jit::Kernel> velocityBounds;  ///< The same of the velocity.
   std::vector<unsigned char>
       instanceData;  ///< Blocks of all instances, shared by the variants. 64-byte aligned use is not assumed.
   std::vector<std::pair<std::uint64_t, std::string>> strings;  ///< Of string parameters read from blocks.
 
+  /// Whether one of the instances moves.
+  bool moves() const;
   const jit::Kernel& kernel(Variant variant) const { return *kernels[static_cast<std::size_t>(variant)]; }
 };
 
@@ -86,10 +93,20 @@ class ShadingSystem {
   const Instance& instance(InstanceRef instance) const { return family(instance).instances[instance.index]; }
   /// What shaders may ask about the object of an instance.
   void describeObject(InstanceRef instance, std::shared_ptr<const AttributeTable> attributes, float surfaceArea);
+  /// Asks for a kernel of an instance's velocity, before `compile`. False when another output of its family is asked
+  /// for already.
+  bool setVelocity(InstanceRef instance, const std::string& output);
+  /// Makes an instance move, before `compile`.
+  void setMotion(InstanceRef instance, const MovingTransform<World, Object>& motion) {
+    families_[instance.family].instances[instance.index].motion.emplace(motion);
+  }
 
  private:
   std::vector<Family> families_;
 };
+
+/// Puts the matrices of a place into an instance's block.
+void writePlacement(const Instance& instance, const Transform<World, Object>& objectToWorld, unsigned char* block);
 
 /// The value that an instance gives, or the constant default; null when the program computes the default.
 const lang::ConstantValue* valueOf(const lang::Program& program, const Instance& instance, std::uint32_t parameter);

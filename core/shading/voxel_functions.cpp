@@ -48,14 +48,15 @@ const VoxelGrid* chooseGrid(const VoxelFile& file, std::string_view path, const 
 /// Values of one grid for some lanes, into the channels that they ask for.
 void sampleGrid(TextureCall& call, const VoxelGrid& grid, VoxelInterpolation interpolation,
                 std::span<const unsigned> group, std::span<const TexturePoint> points) {
-  std::array<float, lanes> x, y, z;
+  std::array<float, lanes> x, y, z, times;
   for (std::size_t i = 0; i < group.size(); ++i) {
     x[i] = points[i].at[0];
     y[i] = points[i].at[1];
     z[i] = points[i].at[2];
+    times[i] = points[i].time;
   }
   std::array<float, 3 * lanes> values;
-  grid.sample(interpolation, group.size(), x.data(), y.data(), z.data(), values.data());
+  grid.sampleAt(interpolation, group.size(), x.data(), y.data(), z.data(), times.data(), values.data());
   for (std::size_t i = 0; i < group.size(); ++i) {
     std::array<float, maximumTextureChannels> result{};
     for (int c = 0; c < call.channels(); ++c) {

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/base/geometry.h"
+#include "core/base/motion.h"
 #include "core/volume/bounds/bound_tree.h"
 #include "core/volume/coefficients.h"
 #include "core/volume/frame_stack.h"
@@ -32,7 +33,8 @@ struct Medium {
   DistanceMethod method = DistanceMethod::marching;
   std::optional<Coefficients> constant;  ///< Set when the compiled shader reads nothing that varies.
   std::optional<ExtinctionBound> bound;  ///< On the largest channel of extinction, everywhere in the medium.
-  const BoundTree* tree = nullptr;       ///< Bounds place by place, if there are any; then `bound` is the largest.
+  const MovingTransform<World, Object>* motion = nullptr;  ///< Of its object space, where that moves.
+  const BoundTree* tree = nullptr;  ///< Bounds place by place, if there are any; then `bound` is the largest.
   float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
   bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
   const PhaseFunction* phase = nullptr;  ///< Of all lobes, whatever their anisotropy; null: Henyey–Greenstein with it.

@@ -101,9 +101,11 @@ std::vector<std::string> namesIn(const std::string& list) {
   return names;
 }
 
-/// Collects active voxels of several grids in the index space of the first.
+/// Collects active voxels of several grids in the index space of the first, and the places that they are carried to.
 class ActiveVoxels {
  public:
+  explicit ActiveVoxels(const CarriedMatter& carried) : carried_(carried) {}
+
   /// What is wrong with the grid; empty when nothing is.
   std::string add(const VoxelGrid& grid) {
     const VoxelGridInfo& info = grid.info();
@@ -119,6 +121,7 @@ class ActiveVoxels {
     const bool isSame = toFile_ == indexToFile(info);
     for (VoxelBox box : grid.activeBoxes()) {
       if (!isSame && !carry(map, box)) return "its voxels lie too far from those of the first grid";
+      if (carried_.velocity && !sweep(box)) return "its velocities carry it too far";
       boxes_.push_back(box);
     }
     return {};
@@ -145,6 +148,25 @@ class ActiveVoxels {
     return true;
   }
 
+  /// The voxels where the box's matter may be while the shutter is open.
+  bool sweep(VoxelBox& box) const {
+    std::array<double, 3> lower{}, upper{};
+    for (std::size_t r = 0; r < 3; ++r) {
+      lower[r] = box.least[r] - 1.0;
+      upper[r] = box.greatest[r] + 1.0;
+    }
+    BoxImage image(toFile_, lower, upper);
+    carried_.carry(image.lower, image.upper);
+    const BoxImage back(toIndex_, image.lower, image.upper);
+    for (std::size_t r = 0; r < 3; ++r) {
+      if (!(std::fabs(back.lower[r]) < 1e9) || !(std::fabs(back.upper[r]) < 1e9)) return false;
+      box.least[r] = static_cast<std::int32_t>(std::floor(back.lower[r]));
+      box.greatest[r] = static_cast<std::int32_t>(std::ceil(back.upper[r]));
+    }
+    return true;
+  }
+
+  const CarriedMatter& carried_;
   std::vector<VoxelBox> boxes_;
   Matrix4 toFile_ = identityMatrix(), toIndex_ = identityMatrix();
   bool hasFirst_ = false;
@@ -158,7 +180,7 @@ VoxelInterpolation interpolationOf(const std::string& word) {
 Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& arguments) {
   const auto files = frameFiles(arguments.volume);
   if (!files) return files.errors();
-  ActiveVoxels active;
+  ActiveVoxels active(arguments.carried);
   for (const std::string& path : *files) {
     std::string message;
     const VoxelFile* file = arguments.voxels(path, message);

@@ -7,9 +7,11 @@
 #include <fstream>
 #include <vector>
 
+#include "core/grid/module/continued.h"
 #include "core/grid/module/dense_file.h"
 #include "core/grid/module/nano_grid.h"
 #include "core/grid/module/table.h"
+#include "core/grid/module/writer.h"
 
 namespace aerosol::grid {
 
@@ -24,7 +26,15 @@ class File final : public VoxelFile {
   std::vector<std::unique_ptr<VoxelGrid>> grids_;
 };
 
-std::unique_ptr<const VoxelFile> read(const std::string& path, std::string& message) {
+/// The grid itself, or the longer one that is asked for.
+std::unique_ptr<VoxelGrid> makeGridOrLonger(const openvdb::GridBase& grid, const std::string& name, int voxels) {
+  if (voxels > 0 && grid.getName() == name && grid.isType<openvdb::Vec3SGrid>())
+    return makeGrid(*continued(static_cast<const openvdb::Vec3SGrid&>(grid), voxels));
+  return makeGrid(grid);
+}
+
+std::unique_ptr<const VoxelFile> read(const std::string& path, const std::string& continuedGrid, int voxels,
+                                      std::string& message) {
   try {
     openvdb::initialize();
     openvdb::logging::setLevel(openvdb::logging::Level::Fatal);
@@ -37,7 +47,7 @@ std::unique_ptr<const VoxelFile> read(const std::string& path, std::string& mess
     } else {
       openvdb::io::Stream file(stream, false);
       const auto all = file.getGrids();
-      for (const auto& grid : *all) grids.push_back(makeGrid(*grid));
+      for (const auto& grid : *all) grids.push_back(makeGridOrLonger(*grid, continuedGrid, voxels));
     }
     if (grids.empty()) {
       message = "the file has no grids";
@@ -61,7 +71,7 @@ std::vector<std::string> versions() {
 }  // namespace
 
 extern "C" __attribute__((visibility("default"))) const ModuleTable* aerosolGridModule() {
-  static constexpr ModuleTable table{read, versions};
+  static constexpr ModuleTable table{read, versions, write};
   return &table;
 }
 

@@ -6,13 +6,18 @@
 #include <vector>
 
 #include "core/base/voxel_grid.h"
+#include "core/grid/grid_writer.h"
 
 namespace aerosol::grid {
 
 struct ModuleTable {
-  /// Null, with a message, when the file cannot be read.
-  std::unique_ptr<const VoxelFile> (*read)(const std::string& path, std::string& message);
+  /// Null, with a message, when the file cannot be read. The vector grid of the name `continued` goes on for `voxels`
+  /// beyond its active ones.
+  std::unique_ptr<const VoxelFile> (*read)(const std::string& path, const std::string& continued, int voxels,
+                                           std::string& message);
   std::vector<std::string> (*versions)();
+  /// What went wrong; empty after success.
+  std::string (*write)(const std::string& path, std::span<const NewGrid> grids, bool asHalf);
 };
 
 /// The name and type of the module's only exported function.

@@ -22,7 +22,11 @@ class BoundWalk {
   void begin(const Medium& medium, const Ray<World>& ray, double t) {
     if (medium.tree && !medium.constant) {
       tree_ = medium.tree;
-      enter(ray, t);
+      if (medium.motion) [[unlikely]] {
+        enter(ray, t, medium.motion->at(ray.time).inverseMatrix());
+      } else {
+        enter(ray, t, tree_->objectToWorld.inverseMatrix());
+      }
       return;
     }
     leaf_ = medium.whole();
@@ -61,9 +65,8 @@ class BoundWalk {
     return x >= static_cast<double>(last) ? last : static_cast<std::int32_t>(x);
   }
 
-  void enter(const Ray<World>& ray, double t) {
+  void enter(const Ray<World>& ray, double t, const Matrix4& m) {
     start_ = t;
-    const Matrix4& m = tree_->objectToWorld.inverseMatrix();
     const double cells = tree_->cellsPerSide();
     const std::array<double, 3> d{static_cast<double>(ray.direction.x), static_cast<double>(ray.direction.y),
                                   static_cast<double>(ray.direction.z)};

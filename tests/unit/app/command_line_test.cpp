@@ -153,13 +153,32 @@ TEST(CommandLine, HelpNamesEveryOptionOnce) {
   EXPECT_THAT(commandHelp("compile"), testing::Not(HasSubstr("Exit codes")));
 }
 
+TEST(CommandLine, ReadsEveryBakeOption) {
+  const auto parsed =
+      parseCommandLine({"bake",       "puff.osl", "--bounds",  "-1,-2,-3,1,2,3", "--voxel",    "0.25",   "-o",
+                        "a.avt",      "--set",    "density=3", "--set",          "tint=1,2,3", "--time", "0.5,2,4",
+                        "--temporal", "--error",  "0.125",     "--half",         "--threads",  "3",      "-q"},
+                       "");
+  ASSERT_TRUE(std::holds_alternative<Arguments>(parsed));
+  const auto& bake = std::get<BakeArguments>(std::get<Arguments>(parsed));
+  EXPECT_EQ(bake.shader, "puff.osl");
+  EXPECT_EQ(bake.bounds, (std::array<float, 6>{-1, -2, -3, 1, 2, 3}));
+  EXPECT_EQ(bake.voxelSize, 0.25);
+  EXPECT_EQ(bake.values.size(), 2u);
+  EXPECT_EQ(bake.time.times(), (std::vector<float>{0.5f, 1, 1.5f, 2}));
+  EXPECT_TRUE(bake.temporal && bake.asHalf && bake.quiet);
+  EXPECT_EQ(bake.error, 0.125f);
+  EXPECT_EQ(bake.threads, 3);
+}
+
 TEST(CommandLine, RefusesWithAHint) {
   EXPECT_EQ(refusal({"render", "a.xml", "--sp", "4"}),
             "aerosol: error: unknown option '--sp'\n  note: did you mean '--spp', '--isa' or '--set'?\n");
   EXPECT_EQ(refusal({"rendr", "a.xml"}), "aerosol: error: unknown command 'rendr'\n  note: did you mean 'render'?\n");
-  EXPECT_EQ(refusal({"paint"}),
-            "aerosol: error: unknown command 'paint'\n  note: commands are render, merge, study, plan, doctor, submit, "
-            "compile, info, shade, help\n");
+  EXPECT_EQ(
+      refusal({"paint"}),
+      "aerosol: error: unknown command 'paint'\n  note: commands are render, bake, merge, study, plan, doctor, submit, "
+      "compile, info, shade, help\n");
   EXPECT_EQ(refusal({"render", "a.xml", "b.xml"}),
             "aerosol: error: unexpected argument 'b.xml'\n  note: see: aerosol help render\n");
   EXPECT_THAT(refusal({"render"}), HasSubstr("scene is required"));

@@ -10,7 +10,7 @@ namespace {
 Transform<World, Object> shapeTransform(const std::string& steps) {
   const SceneDescription scene =
       read("<shape type=\"cube\"><transform name=\"to_world\">" + steps + "</transform></shape>");
-  return scene.shapes.empty() ? Transform<World, Object>() : scene.shapes[0].toWorld;
+  return scene.shapes.empty() ? Transform<World, Object>() : Transform<World, Object>(scene.shapes[0].toWorld);
 }
 
 template <class T>
