@@ -11,6 +11,7 @@ packages=(
   libtbb-dev libimath-dev libopenexr-dev libcli11-dev libfmt-dev libxxhash-dev zlib1g-dev
   # tests
   libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
+  slurmctld slurmd slurm-client munge
 )
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

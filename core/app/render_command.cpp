@@ -216,7 +216,8 @@ class Render {
   void tellGoal(const Goal& goal, const GoalReport& reached) const {
     if (arguments_.quiet || report_.interrupted) return;
     const bool isReached = !(goal.error > 0) || reached.error <= goal.error;
-    console_.note(fmt::format("{} samples a pixel, error {}{}\n", reached.samples, formatError(reached.error),
+    const std::string error = reached.error > 0 ? ", error " + formatError(reached.error) : "";
+    console_.note(fmt::format("{} a pixel{}{}\n", formatCount(reached.samples, "sample"), error,
                               isReached ? "" : fmt::format(": {} is not reached", formatError(goal.error))));
   }
 

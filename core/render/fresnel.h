@@ -10,12 +10,13 @@ namespace aerosol::render {
 
 /// Reflectance for unpolarised light at a boundary of dielectrics, in [0, 1]. `cosine` >= 0 is that of the direction on
 /// the near side to the normal, `eta` > 0 the index of the far side over that of the near side. Fresnel 1823, in the
-/// form without trigonometric functions.
+/// form without trigonometric functions. The square of the far side's cosine is (η² - 1 + cos²) / η²: written so, it
+/// keeps its digits at grazing incidence between equal indices, where 1 - sin² has none.
 inline float fresnelDielectric(float cosine, float eta) {
   const float c = std::clamp(cosine, 0.0f, 1.0f);
-  const float sineSquared = (1 - c * c) / (eta * eta);
-  if (sineSquared >= 1) return 1;
-  const float t = std::sqrt(1 - sineSquared);
+  const float cosineSquared = ((eta - 1) * (eta + 1) + c * c) / (eta * eta);
+  if (cosineSquared <= 0) return eta < 1 ? 1.0f : 0.0f;
+  const float t = std::sqrt(cosineSquared);
   const float parallel = (eta * c - t) / (eta * c + t);
   const float perpendicular = (c - eta * t) / (c + eta * t);
   return 0.5f * (parallel * parallel + perpendicular * perpendicular);

@@ -55,13 +55,15 @@ std::vector<Row> rowsOf(const std::string& table) {
 /// What is wrong with a row; empty when nothing is.
 std::string faultOf(const Row& row, const std::set<std::string>& tests) {
   if (row.words.empty()) return "has no test";
+  std::size_t first = 0;
   if (row.words[0] == "awaits") {
-    if (row.words.size() != 2) return "awaits no file";
-    return fs::exists(fs::path(AEROSOL_SOURCE_DIR) / row.words[1]) ? row.words[1] + " is there: the row needs tests"
-                                                                   : "";
+    if (row.words.size() < 2) return "awaits no file";
+    if (!fs::exists(fs::path(AEROSOL_SOURCE_DIR) / row.words[1])) return "";
+    if (row.words.size() == 2) return row.words[1] + " is there: the row needs tests";
+    first = 2;
   }
-  for (const std::string& word : row.words) {
-    if (!tests.contains(word)) return "names " + word + ", which is no test";
+  for (std::size_t i = first; i < row.words.size(); ++i) {
+    if (!tests.contains(row.words[i])) return "names " + row.words[i] + ", which is no test";
   }
   return {};
 }
@@ -88,6 +90,9 @@ TEST(HardCaseTable, ARowWithoutATestIsFound) {
   EXPECT_EQ(faultOf(rows[2], tests), "");
   EXPECT_EQ(faultOf(rows[3], tests), "");
   EXPECT_NE(faultOf({1, {}}, tests), "");
+  EXPECT_NE(faultOf({1, {"awaits", "README.md", "No.Such"}}, tests), "");
+  EXPECT_EQ(faultOf({1, {"awaits", "README.md", "HardCaseTable.EveryRowHasItsTests"}}, tests), "");
+  EXPECT_EQ(faultOf({1, {"awaits", "no/such.file", "No.Such"}}, tests), "");
 }
 
 }  // namespace

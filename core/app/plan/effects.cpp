@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <set>
 
 #include "core/app/quantity.h"
@@ -256,7 +257,8 @@ class EffectList {
     const std::string depth =
         integrator.maxDepth < 0 ? "max_depth is unbounded" : fmt::format("max_depth {}", integrator.maxDepth);
     add("multiple-scattering", isMultiple, depth + at(integrator.origin.of("max_depth")));
-    const bool plays = integrator.maxDepth < 0 || integrator.maxDepth > integrator.rrDepth;
+    const bool mayBeLongEnough = integrator.maxDepth < 0 || integrator.maxDepth > integrator.rrDepth;
+    const bool plays = mayBeLongEnough && integrator.rrDepth < std::numeric_limits<int>::max();
     add("russian-roulette", plays,
         plays ? fmt::format("from path length {}", integrator.rrDepth) : "no path gets long enough for it");
     add(

@@ -21,11 +21,12 @@ double errorOf(const StudyRound& round) {
 std::string halving(const StudyRow& best) {
   const StudyRound& last = best.study->rounds.back();
   const double error = positiveRoot(last.squaredError.value);
-  if (best.rate < 0.1) {
-    return fmt::format("More time hardly makes its error smaller: what is left is bias, {} of the image.",
+  const double factor = costOfHalving(*best.study);
+  if (factor == 0) return "What halving its error costs takes a larger --budget to tell.";
+  if (!std::isfinite(factor)) {
+    return fmt::format("Time does not halve its error: {} of it is bias.",
                        formatError(positiveRoot(last.squaredBias.value)));
   }
-  const double factor = std::pow(2.0, 1 / best.rate);
   return fmt::format("To halve the error costs {:.1f} times the time: from {} in {} to {} in about {}, at this size.",
                      factor, formatError(error), formatDuration(last.seconds), formatError(error / 2),
                      formatDuration(last.seconds * factor));

@@ -154,7 +154,19 @@ double convergenceRate(const StudyCase& study) {
     xy += t * e;
   }
   const double spread = n * xx - x * x;
-  return n >= 3 && spread > 0 ? std::max(0.0, -(n * xy - x * y) / spread) : 0;
+  return n >= 2 && spread > 0 ? std::max(0.0, -(n * xy - x * y) / spread) : 0;
+}
+
+double costOfHalving(const StudyCase& study) {
+  if (study.rounds.size() < 2) return 0;
+  const StudyRound& last = study.rounds.back();
+  if (last.hasBias()) {
+    const double rest = last.squaredError.value / 4 - last.squaredBias.value;
+    // The variance falls with the number of samples.
+    return rest > 0 ? last.variance.value / rest : std::numeric_limits<double>::infinity();
+  }
+  const double rate = convergenceRate(study);
+  return rate > 0.05 ? std::pow(2.0, 1 / rate) : std::numeric_limits<double>::infinity();
 }
 
 double equalTime(const StudyResults& results) {

@@ -29,6 +29,11 @@ StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyRefe
 /// The error (not squared) at a time, along the straight line between rounds in logarithms; beyond them the nearest.
 double errorAtTime(const StudyCase& study, double seconds);
 
+/// By which factor the time grows when the error is to be halved: noise falls at the rate of the last rounds (see
+/// convergenceRate), bias that was found stays. Infinite where bias alone is more than half of the error, 0 where there
+/// are too few rounds to tell.
+double costOfHalving(const StudyCase& study);
+
 /// By which power of time the error falls, from the last rounds: 0.5 is what independent samples do. 0 where there are
 /// too few rounds or it does not fall.
 double convergenceRate(const StudyCase& study);

@@ -23,7 +23,7 @@ h1 { font-size: 30px; margin: 0 0 4px; } h2 { font-size: 20px; margin: 40px 0 8p
 svg.chart { width: 100%; height: auto; background: #fff; border: 1px solid var(--line); border-radius: 6px; }
 svg.chart text { font: 12px system-ui, sans-serif; fill: #3b3a36; } svg.chart text.title { font-size: 16px; font-weight: 600; }
 table { border-collapse: collapse; width: 100%; background: #fff; border: 1px solid var(--line); font-size: 14px; }
-th, td { padding: 7px 10px; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
+th, td { padding: 7px 8px; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; } th { color: var(--soft); font-weight: 600; }
 .dot { display: inline-block; width: 10px; height: 10px; border-radius: 5px; margin-right: 8px; }
 .compare { display: flex; flex-wrap: wrap; gap: 12px; align-items: center; margin: 8px 0; }
@@ -59,7 +59,7 @@ function draw() {
   context.drawImage(b, 0, 0);
   const cut = Math.round(split * w);
   if (cut > 0) context.drawImage(a, 0, 0, cut, h, 0, 0, cut, h);
-  context.fillStyle = '#fff'; context.fillRect(cut - 0.5, 0, 1, h);
+  context.fillStyle = '#fff'; context.fillRect(cut - 0.1, 0, 0.2, h);
 }
 function move(event) {
   if (event.type === 'pointermove' && event.buttons === 0) return;
@@ -103,24 +103,27 @@ std::string answerOf(const StudyResults& results) {
 std::string tableOf(const StudyResults& results) {
   std::string html = fmt::format(
       "<table><thead><tr><th>method</th><th>error in {}</th><th>last error</th><th>noise</th><th>bias</th>"
-      "<th>samples</th><th>time</th><th>half the error costs</th></tr></thead><tbody>\n",
+      "<th>samples</th><th>time</th><th>half of it costs</th></tr></thead><tbody>\n",
       formatDuration(equalTime(results)));
   for (const StudyRow& row : sortRows(results)) {
     const StudyRound& last = row.study->rounds.back();
     const auto index = static_cast<std::size_t>(row.study - results.cases.data());
     const std::string bias = last.hasBias() ? formatError(positiveRoot(last.squaredBias.value)) : "none found";
-    const std::string cost =
-        row.rate < 0.1 ? "not by time" : fmt::format("{:.1f} x the time", std::pow(2.0, 1 / row.rate));
+    const double factor = costOfHalving(*row.study);
+    const std::string cost = factor == 0              ? "not known"
+                             : !std::isfinite(factor) ? "not possible"
+                                                      : fmt::format("{:.1f} x the time", factor);
     html += fmt::format(
         "<tr><td><span class=\"dot\" "
         "style=\"background:{}\"></span>{}{}</td><td>{}{}</td><td>{}</td><td>{}</td><td>{}</td>"
         "<td>{}</td><td>{}</td><td>{}</td></tr>\n",
         chartColor(index), escapeHtml(row.study->name), row.study->isComplete ? "" : " (not finished)",
-        formatError(row.error), row.isWithinNoise ? " <span class=\"soft\">(within noise of the one above)</span>" : "",
+        formatError(row.error),
+        row.isWithinNoise ? " <span class=\"soft\" title=\"within noise of the one above\">~</span>" : "",
         formatError(positiveRoot(last.squaredError.value)), formatError(positiveRoot(last.variance.value)), bias,
         last.samples, formatDuration(last.seconds), cost);
   }
-  return html + "</tbody></table>\n";
+  return html + "</tbody></table>\n<p class=\"soft\">~ within noise of the row above</p>\n";
 }
 
 std::string optionsOf(const StudyResults& results, std::size_t chosen) {

@@ -115,6 +115,16 @@ TEST(StudyMeasure, FindsTheRateAndErrorsAtATime) {
   EXPECT_LT(convergenceRate(falling("stuck", 0.01, 0.3)), 0.01);
 }
 
+TEST(StudyMeasure, KnowsWhatHalvingCosts) {
+  EXPECT_NEAR(costOfHalving(falling("plain", 0.4, 0)), 4, 1e-3);
+  StudyCase biased = falling("biased", 0.4, 0.01);
+  const double noise = 0.025 * 0.025, bias = 0.01 * 0.01;
+  EXPECT_NEAR(costOfHalving(biased), noise / ((noise + bias) / 4 - bias), 1e-2);
+  EXPECT_FALSE(std::isfinite(costOfHalving(falling("stuck", 0.4, 0.1))));
+  biased.rounds.resize(1);
+  EXPECT_EQ(costOfHalving(biased), 0);
+}
+
 TEST(StudyReport, SaysWhatHalvingTheErrorCosts) {
   StudyResults results;
   results.scene = "a.xml";
