@@ -20,3 +20,12 @@ if(benchmarkSources AND benchmark_FOUND)
     endif()
   endforeach()
 endif()
+
+# tests/bench/tables: programs that print comparisons; not built by default.
+file(GLOB tableSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/tables/*.cpp")
+foreach(source ${tableSources})
+  get_filename_component(name "${source}" NAME_WE)
+  add_executable(${name} EXCLUDE_FROM_ALL "${source}")
+  target_link_libraries(${name} PRIVATE test_support fmt::fmt)
+  add_dependencies(${name} aerosol_support)
+endforeach()

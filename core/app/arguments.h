@@ -53,6 +53,8 @@ struct RenderArguments {
   std::optional<int> seed;
   std::optional<Crop> crop;
   std::optional<scene::DistanceSampling> distance;
+  std::optional<scene::TransmittanceSampling> transmittance;
+  bool noEquiangular = false;
   std::optional<float> stepScale;
   std::optional<SampleRange> samples;  ///< A part of the samples; the image is joined later.
   std::vector<int> frames;             ///< In this order; empty: the scene is one image.

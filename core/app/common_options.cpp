@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "core/app/option_helpers.h"
+#include "core/scene/field.h"
 
 // Options that several commands have.
 
@@ -6,11 +9,16 @@ namespace aerosol::app {
 
 namespace {
 
-std::optional<scene::DistanceSampling> parseDistance(const std::string& text) {
-  if (text == "auto") return scene::DistanceSampling::automatic;
-  if (text == "marching") return scene::DistanceSampling::marching;
-  if (text == "null") return scene::DistanceSampling::nullScattering;
-  return {};
+/// A choice by its word in scenes.
+template <class Choice>
+void addChoice(CLI::App& app, const char* option, std::optional<Choice>& choice, const char* doc) {
+  const auto parse = [&choice](const std::string& given, const std::string& text) {
+    const auto& known = scene::Words<Choice>::words;
+    const auto word = std::find(known.begin(), known.end(), text);
+    if (word == known.end()) refuse(given, fmt::format("'{}' is not one of {}", text, fmt::join(known, ", ")));
+    choice = static_cast<Choice>(word - known.begin());
+  };
+  addParsed(app, option, fmt::format("{}", fmt::join(scene::Words<Choice>::words, "|")).c_str(), parse, doc);
 }
 
 }  // namespace
@@ -62,13 +70,11 @@ void addMethodOptions(CLI::App& app, RenderArguments& render) {
   addList(app, "--without", "EFFECT", render.without,
           "Force an effect off, whatever the scene says; repeatable. aerosol\nplan lists them");
   addInteger(app, "--seed", render.seed, 0, "Seed of all random numbers, instead of the scene's");
-  const auto distance = [&render](const std::string& option, const std::string& text) {
-    render.distance = parseDistance(text);
-    if (!render.distance) refuse(option, fmt::format("'{}' is not one of auto, marching, null", text));
-  };
-  addParsed(app, "--distance", "auto|marching|null", distance,
+  addChoice(app, "--distance", render.distance,
             "Sample distances in all media so, whatever the scene says: by\n"
-            "ray marching or by null scattering");
+            "ray marching, by null scattering or by closed forms alone");
+  addChoice(app, "--transmittance", render.transmittance, "Estimate the transmittance of all media to lights so");
+  app.add_flag("--no-equiangular", render.noEquiangular, "Choose no distances in media for the lights beside the rays");
   const auto stepScale = [&render](const std::string& option, const std::string& text) {
     scene::TextError error;
     render.stepScale = scene::parseFloat(text, error);

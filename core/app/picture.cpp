@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/app/version_command.h"
+#include "core/scene/field.h"
 
 namespace aerosol::app {
 
@@ -34,16 +35,10 @@ const char* nameOf(scene::FilterType type) {
   return "gaussian";
 }
 
-const char* nameOf(scene::DistanceSampling distance) {
-  switch (distance) {
-    case scene::DistanceSampling::automatic:
-      return "auto";
-    case scene::DistanceSampling::marching:
-      return "marching";
-    case scene::DistanceSampling::nullScattering:
-      break;
-  }
-  return "null";
+/// The word that scenes have for it.
+template <class Choice>
+const char* wordOf(Choice choice) {
+  return scene::Words<Choice>::words[static_cast<std::size_t>(choice)];
 }
 
 std::string describeDefines(const std::map<std::string, std::string>& defines) {
@@ -120,7 +115,9 @@ std::vector<image::Metadata> describeRender(const RenderRecord& record, const Sa
   entries.add("integrator", description.integrator.type);
   entries.add("maxDepth", description.integrator.maxDepth);
   entries.add("rrDepth", description.integrator.rrDepth);
-  entries.add("distance", nameOf(record.arguments.distance.value_or(description.integrator.distance)));
+  entries.add("distance", wordOf(description.integrator.distance));
+  entries.add("transmittance", wordOf(description.integrator.transmittance));
+  entries.add("equiangular", description.integrator.equiangular ? 1 : 0);
   entries.add("stepScale", static_cast<double>(description.integrator.stepScale));
   entries.add("renderSeconds", record.secondsBefore + record.report.seconds);
   entries.add("shaderIsa", std::string(jit::name(record.target.isa)));

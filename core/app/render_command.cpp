@@ -303,6 +303,7 @@ class Render {
     Diagnostics found = reportInvalidCoefficients(session_.scene());
     found.append(reportInvalidClosures(session_.scene()));
     found.append(reportTrackers(session_.scene(), report_.statistics.trackers));
+    found.append(reportLights(report_.statistics));
     found.append(reportDroppedSamples(*film_));
     session_.description().sources->annotate(found);
     console_.report(found);

@@ -23,6 +23,12 @@ void applyArguments(const RenderArguments& arguments, scene::SceneDescription& d
   if (arguments.samplesPerPixel) description.sampler.sampleCount = *arguments.samplesPerPixel;
   if (arguments.seed) description.sampler.seed = *arguments.seed;
   if (arguments.stepScale) description.integrator.stepScale = *arguments.stepScale;
+  if (arguments.transmittance) {
+    description.integrator.transmittance = *arguments.transmittance;
+    for (scene::Medium& medium : description.media) medium.sampling.transmittance.reset();
+    for (scene::Volume& volume : description.volumes) volume.sampling.transmittance.reset();
+  }
+  if (arguments.noEquiangular) description.integrator.equiangular = false;
   if (!arguments.distance) return;
   description.integrator.distance = *arguments.distance;
   for (scene::Medium& medium : description.media) medium.sampling.distance.reset();

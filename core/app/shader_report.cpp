@@ -156,6 +156,17 @@ Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::Tra
   return warnings;
 }
 
+Diagnostics reportLights(const render::WorkerStatistics& statistics) {
+  Diagnostics warnings;
+  if (statistics.raysIntoLights == 0) return warnings;
+  warnings.warning({},
+                   fmt::format("{} a point light inside of a medium, where its radiance has no limit",
+                               statistics.raysIntoLights == 1 ? std::string("1 ray meets")
+                                                              : formatCount(statistics.raysIntoLights) + " rays meet"),
+                   {"the light was kept off by 1e-4 of the ray's way through media; set its 'radius' (scene units)"});
+  return warnings;
+}
+
 Diagnostics reportDroppedSamples(const render::Film& film) {
   Diagnostics warnings;
   if (film.droppedCount() == 0) return warnings;

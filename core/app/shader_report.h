@@ -35,6 +35,9 @@ Diagnostics reportInvalidClosures(const render::PreparedScene& scene);
 /// Extinction above the bound that null scattering relies on, with the bound to declare instead; segments given up.
 Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::TrackerStatistics& trackers);
 
+/// Point lights that rays met.
+Diagnostics reportLights(const render::WorkerStatistics& statistics);
+
 /// Samples that were not finite, which the film dropped.
 Diagnostics reportDroppedSamples(const render::Film& film);
 

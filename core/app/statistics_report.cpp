@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/app/quantity.h"
 
 namespace aerosol::app {
@@ -79,6 +81,27 @@ void addOverlap(Table& table, const render::PreparedScene& scene) {
                         formatShort(number(s.bytes))));
 }
 
+/// How each medium is sampled, and why; media of which the same is to be said share a row.
+void addSampling(Table& table, const render::PreparedScene& scene) {
+  std::vector<std::pair<std::string, int>> rows;
+  for (std::size_t i = 0; i < scene.samplingReasons.size(); ++i) {
+    const std::string text = fmt::format("'{}': {}", scene.mediumNames[i], scene.samplingReasons[i]);
+    const auto known = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.first == text; });
+    if (known != rows.end()) {
+      ++known->second;
+    } else {
+      rows.emplace_back(text, 1);
+    }
+  }
+  for (const auto& [text, count] : rows) {
+    table.row("distances", count == 1 ? text : fmt::format("{} ({} media)", text, count));
+  }
+  if (!scene.lights.tree().isEmpty()) {
+    table.row("lights", fmt::format("{} in a hierarchy of {}B", formatCount(scene.lights.size(), "light"),
+                                    formatShort(number(scene.lights.tree().bytes()))));
+  }
+}
+
 /// The trees of bounds of all media, added up; shares are means over the trees.
 void addBounds(Table& table, const render::PreparedScene& scene) {
   volume::BoundStatistics sum;
@@ -143,6 +166,7 @@ std::string formatStatistics(const render::PreparedScene& scene, const render::R
   if (s.accel.invalidRays > 0) table.row("invalid rays", formatCount(s.accel.invalidRays));
   if (s.accel.openVolumes > 0) table.row("rays through open volume meshes", formatCount(s.accel.openVolumes));
   addOverlap(table, scene);
+  addSampling(table, scene);
   addBounds(table, scene);
   addKernelCalls(table, s, report.seconds * threads);
   addTrackers(table, s);

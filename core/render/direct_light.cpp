@@ -40,6 +40,32 @@ Ray<World> shadowRay(const ScatteringVertex& vertex, const LightSample& light, f
 
 }  // namespace
 
+namespace {
+
+/// Towards a medium that glows: what all media emit between the vertex and the first surface in that direction.
+volume::Task<Color> estimateGlow(PathContext& path, const ScatteringVertex& vertex, LightId light,
+                                 LightUniforms uniforms, float time) {
+  const PreparedScene& scene = path.scene();
+  const std::optional<LightSample> sample = scene.lights.sample(light, vertex.position(), uniforms);
+  if (!sample) co_return Color();
+  const Color scattered = vertex.evaluate(sample->direction);
+  if (isBlack(scattered)) co_return Color();
+  const float density = scene.lights.pdfVolumes(vertex.position(), sample->direction) + vertex.pdf(sample->direction);
+  Ray<World> ray;
+  ray.time = time;
+  ray.direction = sample->direction;
+  ray.origin = vertex.originTowards(sample->direction);
+  const auto hit = scene.geometry->closestHit(ray, path.spans, path.statistics().accel);
+  findSegments(path, ray, 0, hit ? hit->t : std::numeric_limits<double>::infinity(),
+               vertex.mediumTowards(sample->direction), vertex.mediaTowards(sample->direction));
+  path.setRay(ray);
+  path.setRayTypes(shading::ray::diffuse);
+  const volume::DistanceSample way = co_await sampleDistance(path, ray, scattered);
+  co_return scattered* way.emission * (1 / density);
+}
+
+}  // namespace
+
 volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time) {
   std::optional<PhaseScope> phase(std::in_place, path.statistics().accel.phase, Phase::lights);
   const LightSet& lights = path.scene().lights;
@@ -50,18 +76,55 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   if (!choice) co_return Color();
   // The number that chose the light is used up; which part of it comes from a number of its own.
   uniforms.choice = path.random().nextHash();
-  const std::optional<LightSample> light = lights[choice->index].sample(vertex.position(), uniforms);
+  if (lights[choice->index].isVolume()) {
+    phase.reset();
+    co_return co_await estimateGlow(path, vertex, choice->id(), uniforms, time);
+  }
+  const std::optional<LightSample> light = lights.sample(choice->id(), vertex.position(), uniforms);
   if (!light || isBlack(light->value)) co_return Color();
 
   const Color scattered = vertex.evaluate(light->direction) * light->value;
   if (isBlack(scattered)) co_return Color();
   const float pdf = light->pdf * choice->probability;
-  const float weight = light->isDelta ? 1.0f : balance(pdf, vertex.pdf(light->direction));
+  const float byDirection = light->isDelta ? 0.0f : vertex.pdf(light->direction);
+  const auto byPlace = static_cast<float>(vertex.rivalry(choice->id()) * static_cast<double>(light->pdf));
   phase.reset();
   const Color transmittance =
       co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
                                      vertex.mediaTowards(light->direction));
-  co_return scattered* transmittance*(weight / pdf);
+  const float correction = vertex.correction(choice->id(), light->distance);
+  co_return scattered* transmittance*(balance(pdf, byDirection + byPlace) * correction / pdf);
+}
+
+// Three techniques give a pair of place and light direction: this one with density p(light, t) p(ω), the tracker with
+// sampling of a light from its place, p(t) P(light) p(ω), or with the phase function's sampling, p(t) p(direction). The
+// balance heuristic leaves one over the sum of all.
+volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& vertex,
+                                        const LightsAlongRay::Choice& choice, float time) {
+  const LightSet& lights = path.scene().lights;
+  LightUniforms uniforms;
+  uniforms.place = path.random().next2D();
+  uniforms.choice = path.random().nextHash();
+  const std::optional<LightSample> light = lights.sample(choice.light, vertex.position(), uniforms);
+  if (!light || isBlack(light->value)) co_return Color();
+  const Color scattered = vertex.evaluate(light->direction) * light->value;
+  if (isBlack(scattered)) co_return Color();
+
+  const auto directionPdf = static_cast<double>(light->pdf);
+  const double byDirection = light->isDelta ? 0 : static_cast<double>(vertex.pdf(light->direction));
+  const double byTracker =
+      directionPdf * static_cast<double>(lights.probability(choice.light, vertex.position())) + byDirection;
+  const double density = choice.density * directionPdf + vertex.place().choicePdf * byTracker;
+  const Color transmittance =
+      co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
+                                     vertex.mediaTowards(light->direction));
+  const auto correction = static_cast<double>(vertex.correction(choice.light, light->distance));
+  co_return scattered* transmittance* static_cast<float>(correction / density);
+}
+
+float metEmissionWeight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record) {
+  if (record.isDelta || !scene.lights.hasVolumes()) return 1;
+  return balance(record.pdf, scene.lights.pdfVolumes(record.from, direction));
 }
 
 Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record) {
@@ -78,10 +141,16 @@ Color escapedLight(const PreparedScene& scene, Vector<World> direction, const Di
 
 Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::SurfaceHit& hit, Vector<World> direction,
                const DirectionRecord& record) {
-  const LightHit at{hit.point, hit.geometricNormal, direction};
+  const LightHit at{hit.point, hit.geometricNormal, direction, hit.primitive};
   const Color radiance = scene.lights[light].emitted(at);
   if (isBlack(radiance)) return Color();
-  return radiance * (record.isDelta ? 1.0f : balance(record.pdf, scene.lights.pdf(light, record.from, at)));
+  if (record.isDelta) return radiance;
+  const LightId id = scene.lights.idOf(light, at);
+  const double byPoint = static_cast<double>(scene.lights.probability(id, record.from));
+  const double byPlace = record.place ? record.place->rivalry(id) : 0;
+  const auto others =
+      static_cast<float>((byPoint + byPlace) * static_cast<double>(scene.lights.pdf(id, record.from, at)));
+  return radiance * balance(record.pdf, others);
 }
 
 }  // namespace aerosol::render

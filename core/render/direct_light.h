@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/render/closure_mix.h"
+#include "core/render/lights_along_ray.h"
 #include "core/render/path_context.h"
 #include "core/volume/medium.h"
 #include "core/volume/phase.h"
@@ -31,16 +32,32 @@ class ScatteringVertex {
   virtual Color evaluate(Vector<World> direction) const = 0;
   /// Per steradian, with which the path goes on in `direction`.
   virtual float pdf(Vector<World> direction) const = 0;
+
+  /// How often the vertex is found by a choice that begins with this light, for each time that it is found as it was.
+  virtual double rivalry(LightId) const { return 0; }
+  /// Factor on the light's irradiance; see LightsAlongRay::correction.
+  virtual float correction(LightId, float) const { return 1; }
+};
+
+/// A point of a ray where it is scattered, and the densities with which it was, or could have been, chosen.
+struct PlaceOnRay {
+  LightsAlongRay lights;  ///< Beside the ray.
+  double t = 0;
+  double choicePdf = 0;  ///< Of the distance tracker (volume::DistanceSample).
+
+  double rivalry(LightId light) const { return choicePdf > 0 ? lights.density(light, t) / choicePdf : 0; }
 };
 
 class MediumVertex final : public ScatteringVertex {
  public:
-  /// `boundaryMedium` is the surface-defined medium around the vertex, the one of `media` that rules.
-  MediumVertex(const volume::PhaseFunction& phase, Point<World> position, Vector<World> before, float anisotropy,
+  /// `ray` arrives; `boundaryMedium` is the surface-defined medium around the vertex, the one of `media` that rules.
+  /// `place` outlives the vertex.
+  MediumVertex(const volume::PhaseFunction& phase, const Ray<World>& ray, const PlaceOnRay& place, float anisotropy,
                const volume::Medium* boundaryMedium, const volume::MediumStack& media)
       : phase_(phase),
-        position_(position),
-        before_(before),
+        position_(accel::pointAt(ray, place.t)),
+        before_(ray.direction),
+        place_(place),
         parameters_{anisotropy},
         boundaryMedium_(boundaryMedium),
         media_(media) {}
@@ -53,12 +70,18 @@ class MediumVertex final : public ScatteringVertex {
     return Color(phase_.evaluate(parameters_, before_, direction));
   }
   float pdf(Vector<World> direction) const override { return phase_.pdf(parameters_, before_, direction); }
+  double rivalry(LightId light) const override { return place_.rivalry(light); }
+  float correction(LightId light, float distance) const override {
+    return place_.lights.correction(light, place_.t, distance);
+  }
+  const PlaceOnRay& place() const { return place_; }
   volume::PhaseSample sample(std::array<float, 2> u) const { return phase_.sample(parameters_, before_, u); }
 
  private:
   const volume::PhaseFunction& phase_;
   Point<World> position_;
   Vector<World> before_;
+  const PlaceOnRay& place_;
   std::array<float, 1> parameters_;
   const volume::Medium* boundaryMedium_;
   const volume::MediumStack& media_;
@@ -94,15 +117,23 @@ class SurfaceVertex final : public ScatteringVertex {
 };
 
 /// One sample of one light: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the
-/// vertex. Two numbers of the path's stream.
+/// vertex and against vertices that were chosen for the light. Two slots of the path's stream.
 volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time);
+
+/// The same for a vertex that was chosen for a light: divided by the joint density of light and place. One slot.
+volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& vertex,
+                                        const LightsAlongRay::Choice& choice, float time);
 
 /// What the path found by its own direction sampling needs to weight light that it meets.
 struct DirectionRecord {
   Point<World> from;
   float pdf = 0;        ///< Per steradian.
   bool isDelta = true;  ///< No light sample could have found the direction (or there was none): full weight.
+  std::optional<PlaceOnRay> place;  ///< Of a vertex in a medium.
 };
+
+/// The weight of what media emit along a ray up to the first surface: they may be sampled as lights.
+float metEmissionWeight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record);
 
 /// Radiance of lights at infinity along a ray that leaves the scene, weighted.
 Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record);

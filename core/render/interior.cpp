@@ -55,7 +55,9 @@ std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t obj
   if (!interior.scene && !isBlack(sum.sigmaT)) {
     volume::Medium medium;
     medium.method = volume::DistanceMethod::closedForm;
+    medium.transmittance = volume::TransmittanceMethod::closedForm;
     medium.constant = sum;
+    medium.mayScatter = !isBlack(sum.sigmaS);
     interior.own = medium;
   }
   return interior;

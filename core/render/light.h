@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
 
 #include "core/base/color.h"
 #include "core/base/geometry.h"
+#include "core/render/light_tree.h"
 
 namespace aerosol::render {
 
@@ -30,8 +32,18 @@ struct LightSample {
 /// A point of a light's surface that a ray met.
 struct LightHit {
   Point<World> point;
-  Normal<World> normal;     ///< Geometric, unit, as accel::SurfaceHit has it: towards the emitting side.
-  Vector<World> direction;  ///< Unit, of the ray that arrived.
+  Normal<World> normal;         ///< Geometric, unit, as accel::SurfaceHit has it: towards the emitting side.
+  Vector<World> direction;      ///< Unit, of the ray that arrived.
+  std::uint32_t primitive = 0;  ///< The triangle of a mesh.
+};
+
+/// Where a light is that is not at infinity, for the choice of distances along a ray.
+struct LightPlace {
+  Point<World> centre;
+  float extent = 0;             ///< Half of its size; 0 for a point.
+  float intensity = 0;          ///< About its mean radiant intensity, averaged over channels.
+  float radius = 0;             ///< Of a point light: nearer than this it gets no brighter along a ray; 0: chosen.
+  bool hasSingularity = false;  ///< Its irradiance grows without limit near `centre`.
 };
 
 /// A light. Const after preparation; directions are unit vectors in world space.
@@ -58,6 +70,21 @@ class Light {
   /// About the irradiance on all sides of a point (radiance over the whole sphere), were nothing in between: what the
   /// choice among lights goes by. Positive wherever light can arrive.
   virtual float importance(Point<World> at) const = 0;
+  /// None for lights at infinity.
+  virtual std::optional<LightPlace> place() const { return {}; }
+
+  // Among many lights, large meshes are sampled part by part: a part is a light of its own.
+  virtual std::uint32_t partCount() const { return 1; }
+  /// None for lights at infinity.
+  virtual std::optional<LightBounds> partBounds(std::uint32_t) const { return {}; }
+  virtual std::optional<LightSample> samplePart(std::uint32_t, Point<World> from, const LightUniforms& u) const {
+    return sample(from, u);
+  }
+  /// With which `samplePart(part, from)` finds a hit of that part.
+  virtual float pdfPart(std::uint32_t, Point<World> from, const LightHit& hit) const { return pdf(from, hit); }
+  virtual std::uint32_t partAt(const LightHit&) const { return 0; }
+  /// A medium that glows: samples give a direction alone, whose density is `pdfEscaped`.
+  virtual bool isVolume() const { return false; }
   virtual bool isDelta() const = 0;
   /// Arrives from beyond the scene.
   virtual bool isInfinite() const = 0;

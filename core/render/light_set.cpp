@@ -11,56 +11,122 @@ constexpr double equalShare = 0.1;
 }  // namespace
 
 LightSet::LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius) : lights_(std::move(lights)) {
+  std::size_t parts = 0;
   for (std::uint32_t i = 0; i < lights_.size(); ++i) {
     if (lights_[i]->isInfinite() && !lights_[i]->isDelta()) infinite_.push_back(i);
-    if (maximum(abs(lights_[i]->power(sceneRadius))) > 0) emitting_.push_back(i);
+    if (!(maximum(abs(lights_[i]->power(sceneRadius))) > 0)) continue;
+    single_.push_back(i);
+    if (lights_[i]->isVolume()) volumes_.push_back(i);
+    if (const auto place = lights_[i]->place()) {
+      placed_.push_back({i, *place});
+      parts += lights_[i]->partCount();
+    }
   }
+  if (parts > few) plantTree();
 }
 
-double LightSet::totalImportance(Point<World> from) const {
+void LightSet::plantTree() {
+  std::vector<LightBounds> bounds;
+  firstEntries_.resize(lights_.size());
+  for (const PlacedLight& placed : placed_) {
+    const Light& light = *lights_[placed.index];
+    firstEntries_[placed.index] = static_cast<std::uint32_t>(entries_.size());
+    for (std::uint32_t part = 0; part < light.partCount(); ++part) {
+      entries_.push_back({placed.index, part});
+      bounds.push_back(light.partBounds(part).value_or(LightBounds{}));
+    }
+  }
+  tree_ = LightTree(bounds);
+  std::erase_if(single_, [&](std::uint32_t i) { return placeOf(LightId{i}).has_value(); });
+}
+
+std::optional<LightPlace> LightSet::placeOf(LightId id) const {
+  const auto found = std::lower_bound(placed_.begin(), placed_.end(), id.light,
+                                      [](const PlacedLight& light, std::uint32_t i) { return light.index < i; });
+  if (found == placed_.end() || found->index != id.light) return {};
+  if (id.part == LightId::whole || lights_[id.light]->partCount() == 1) return found->place;
+  const LightBounds bounds = lights_[id.light]->partBounds(id.part).value_or(LightBounds{});
+  return LightPlace{.centre = bounds.centre(), .extent = bounds.halfDiagonal(), .intensity = bounds.intensity / 4};
+}
+
+LightId LightSet::idOf(std::uint32_t light, const LightHit& hit) const {
+  if (tree_.isEmpty() || !placeOf(LightId{light})) return {light};
+  return {light, lights_[light]->partAt(hit)};
+}
+
+double LightSet::importance(std::size_t candidate, Point<World> from) const {
+  return static_cast<double>(candidate < single_.size() ? lights_[single_[candidate]]->importance(from)
+                                                        : PointQuery{from}(tree_.whole()));
+}
+
+double LightSet::probabilityOf(std::size_t candidate, Point<World> from) const {
+  const std::size_t count = candidateCount();
+  if (count == 1) return 1;
   double total = 0;
-  for (const std::uint32_t i : emitting_) total += static_cast<double>(lights_[i]->importance(from));
-  return total;
-}
-
-double LightSet::share(std::uint32_t index, Point<World> from) const {
-  return static_cast<double>(lights_[index]->importance(from));
+  for (std::size_t i = 0; i < count; ++i) total += importance(i, from);
+  const double equal = 1 / static_cast<double>(count);
+  return total > 0 ? (1 - equalShare) * importance(candidate, from) / total + equalShare * equal : equal;
 }
 
 std::optional<LightSet::Choice> LightSet::choose(Point<World> from, float u) const {
-  if (emitting_.empty()) return {};
-  if (emitting_.size() == 1) return Choice{emitting_[0], 1};
-  const double total = totalImportance(from);
-  const double equal = 1 / static_cast<double>(emitting_.size());
-  double rest = static_cast<double>(u);
-  Choice choice;
-  for (const std::uint32_t i : emitting_) {
-    const double probability = total > 0 ? (1 - equalShare) * share(i, from) / total + equalShare * equal : equal;
-    choice = {i, static_cast<float>(probability)};
-    if (rest < probability) break;
-    rest -= probability;  // Rounding may leave something behind the last light: it stays chosen.
+  const std::size_t count = candidateCount();
+  if (count == 0) return {};
+  double total = 0;
+  for (std::size_t i = 0; count > 1 && i < count; ++i) total += importance(i, from);
+  const double equal = 1 / static_cast<double>(count);
+  auto rest = static_cast<double>(u);
+  double probability = 1;
+  std::size_t chosen = 0;
+  for (; count > 1; ++chosen) {
+    probability = total > 0 ? (1 - equalShare) * importance(chosen, from) / total + equalShare * equal : equal;
+    // Rounding may leave something behind the last light: it stays chosen.
+    if (rest < probability || chosen + 1 == count) break;
+    rest -= probability;
   }
-  return choice;
+  if (chosen < single_.size()) return Choice{single_[chosen], static_cast<float>(probability)};
+  const auto left = std::min(static_cast<float>(rest / probability), 0x1.fffffep-1f);
+  const auto entry = tree_.choose(PointQuery{from}, left);
+  if (!entry) return {};
+  const LightId id = entries_[entry->entry];
+  return Choice{id.light, static_cast<float>(probability) * entry->probability, id.part};
 }
 
-float LightSet::probability(std::uint32_t index, Point<World> from) const {
-  if (std::find(emitting_.begin(), emitting_.end(), index) == emitting_.end()) return 0;
-  if (emitting_.size() == 1) return 1;
-  const double total = totalImportance(from);
-  const double equal = 1 / static_cast<double>(emitting_.size());
-  return static_cast<float>(total > 0 ? (1 - equalShare) * share(index, from) / total + equalShare * equal : equal);
+float LightSet::probability(LightId id, Point<World> from) const {
+  if (id.part != LightId::whole) {
+    return static_cast<float>(probabilityOf(single_.size(), from)) * tree_.probability(PointQuery{from}, entryOf(id));
+  }
+  const auto found = std::find(single_.begin(), single_.end(), id.light);
+  if (found == single_.end()) return 0;
+  return static_cast<float>(probabilityOf(static_cast<std::size_t>(found - single_.begin()), from));
+}
+
+std::optional<LightSample> LightSet::sample(LightId id, Point<World> from, const LightUniforms& uniforms) const {
+  const Light& light = *lights_[id.light];
+  return id.part == LightId::whole ? light.sample(from, uniforms) : light.samplePart(id.part, from, uniforms);
+}
+
+float LightSet::pdf(LightId id, Point<World> from, const LightHit& hit) const {
+  const Light& light = *lights_[id.light];
+  return id.part == LightId::whole ? light.pdf(from, hit) : light.pdfPart(id.part, from, hit);
 }
 
 std::optional<LightSample> LightSet::sample(Point<World> from, float u, const LightUniforms& uniforms) const {
   const std::optional<Choice> choice = choose(from, u);
   if (!choice) return {};
-  std::optional<LightSample> sample = lights_[choice->index]->sample(from, uniforms);
+  std::optional<LightSample> sample = this->sample(choice->id(), from, uniforms);
   if (sample) sample->pdf *= choice->probability;
   return sample;
 }
 
 float LightSet::pdf(std::uint32_t index, Point<World> from, const LightHit& hit) const {
-  return probability(index, from) * lights_[index]->pdf(from, hit);
+  const LightId id = idOf(index, hit);
+  return probability(id, from) * pdf(id, from, hit);
+}
+
+float LightSet::pdfVolumes(Point<World> from, Vector<World> direction) const {
+  float sum = 0;
+  for (const std::uint32_t i : volumes_) sum += pdfEscaped(i, from, direction);
+  return sum;
 }
 
 float LightSet::pdfEscaped(std::uint32_t index, Point<World> from, Vector<World> direction) const {

@@ -8,16 +8,39 @@
 #include <vector>
 
 #include "core/render/light.h"
+#include "core/render/light_tree.h"
 
 namespace aerosol::render {
 
-/// Chooses lights in proportion to their importance at the point, mixed with one part in ten of equal chances so that
-/// no light that emits becomes too rare. Lights without power are never chosen. Cost grows with the number of lights.
+/// A light that is somewhere.
+struct PlacedLight {
+  std::uint32_t index = 0;
+  LightPlace place;
+};
+
+/// A light, or one of its parts where lights are chosen part by part.
+struct LightId {
+  static constexpr std::uint32_t whole = 0xffffffffu;
+
+  std::uint32_t light = 0;
+  std::uint32_t part = whole;
+};
+
+/// Chooses lights by their importance at the point, mixed with one part in ten of equal chances so that no light that
+/// emits becomes too rare. Few lights are weighed one by one. Of many, those that are somewhere stand in a hierarchy,
+/// meshes triangle by triangle, which takes its turn as one light among those at infinity. Lights without power are
+/// never chosen.
 class LightSet {
  public:
+  /// Up to so many lights, counting triangles, there is no hierarchy.
+  static constexpr std::size_t few = 16;
+
   struct Choice {
     std::uint32_t index = 0;
     float probability = 0;
+    std::uint32_t part = LightId::whole;
+
+    LightId id() const { return {index, part}; }
   };
 
   LightSet() = default;
@@ -28,25 +51,51 @@ class LightSet {
   const Light& operator[](std::uint32_t index) const { return *lights_[index]; }
   /// Indices of the lights that a ray may see which leaves the scene.
   std::span<const std::uint32_t> infinite() const { return infinite_; }
+  /// Lights with power that are not at infinity.
+  std::span<const PlacedLight> placed() const { return placed_; }
+  /// Of a light among `placed`, or of its part; none for others.
+  std::optional<LightPlace> placeOf(LightId id) const;
+  /// Of the lights in `placed`, if they are many; empty otherwise.
+  const LightTree& tree() const { return tree_; }
+  LightId idOf(std::uint32_t treeEntry) const { return entries_[treeEntry]; }
+  /// The light that was hit, as it is chosen.
+  LightId idOf(std::uint32_t light, const LightHit& hit) const;
+  std::uint32_t entryOf(LightId id) const { return firstEntries_[id.light] + id.part; }
 
-  /// `u` in [0, 1); none when no light emits.
+  /// `u` in [0, 1); none when no light emits, or where none of the many can be seen.
   std::optional<Choice> choose(Point<World> from, float u) const;
   /// With which `choose` takes the light.
-  float probability(std::uint32_t index, Point<World> from) const;
+  float probability(LightId id, Point<World> from) const;
+  float probability(std::uint32_t index, Point<World> from) const { return probability(LightId{index}, from); }
+
+  /// A sample of a light, however it was chosen, and its density.
+  std::optional<LightSample> sample(LightId id, Point<World> from, const LightUniforms& uniforms) const;
+  float pdf(LightId id, Point<World> from, const LightHit& hit) const;
 
   /// A sample of one light, chosen by `u`; the choice's probability is part of its pdf.
   std::optional<LightSample> sample(Point<World> from, float u, const LightUniforms& uniforms) const;
   /// The pdf of `sample` for a hit of light `index`, and for a direction in which light `index` is seen at infinity.
   float pdf(std::uint32_t index, Point<World> from, const LightHit& hit) const;
   float pdfEscaped(std::uint32_t index, Point<World> from, Vector<World> direction) const;
+  /// The density of directions in which any medium that glows is sampled.
+  float pdfVolumes(Point<World> from, Vector<World> direction) const;
+  bool hasVolumes() const { return !volumes_.empty(); }
 
  private:
+  void plantTree();
+  /// Of the lights in `single_`, then of the tree.
+  double importance(std::size_t candidate, Point<World> from) const;
+  std::size_t candidateCount() const { return single_.size() + (tree_.isEmpty() ? 0 : 1); }
+  double probabilityOf(std::size_t candidate, Point<World> from) const;
+
   std::vector<std::unique_ptr<const Light>> lights_;
   std::vector<std::uint32_t> infinite_;
-  double share(std::uint32_t index, Point<World> from) const;
-  double totalImportance(Point<World> from) const;
-
-  std::vector<std::uint32_t> emitting_;  ///< Lights with power.
+  std::vector<std::uint32_t> single_;   ///< Lights with power that are weighed one by one.
+  std::vector<std::uint32_t> volumes_;  ///< Media that glow; among `single_`.
+  std::vector<PlacedLight> placed_;
+  LightTree tree_;
+  std::vector<LightId> entries_;             ///< Of the tree.
+  std::vector<std::uint32_t> firstEntries_;  ///< By light.
 };
 
 }  // namespace aerosol::render

@@ -5,24 +5,14 @@
 #include <numbers>
 #include <vector>
 
+#include "core/render/spherical_rectangle.h"
 #include "core/render/warp.h"
 
 namespace aerosol::render {
 
 namespace {
 
-/// A bare triple of doubles; used in this file only.
-struct Vec {
-  double x = 0, y = 0, z = 0;
-
-  friend Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Vec operator*(Vec a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-};
-
-double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-double length(Vec a) { return std::sqrt(dot(a, a)); }
-Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+using Vec = DoubleVector;
 
 template <class T>
 Vec toDouble(const T& v) {
@@ -66,28 +56,60 @@ class MeshLight final : public LightSurface {
       cumulative_.push_back(area_);
       centre_ = centre_ + (corner(i, 0) + corner(i, 1) + corner(i, 2)) * (part / 3);
     }
-    if (area_ > 0) centre_ = centre_ * (1 / area_);
+    if (!(area_ > 0)) return;
+    centre_ = centre_ * (1 / area_);
+    double moment = 0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const Vec d = (corner(i, 0) + corner(i, 1) + corner(i, 2)) * (1.0 / 3) - centre_;
+      moment += dot(d, d) * 0.5 * length(doubleAreaNormal(i));
+    }
+    extent_ = static_cast<float>(std::sqrt(moment / area_));
   }
 
   std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
     const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), static_cast<double>(u.choice) * area_);
     const auto i = static_cast<std::size_t>(std::min(found, cumulative_.end() - 1) - cumulative_.begin());
-    const Vec n = doubleAreaNormal(i);
-    const double size = length(n);
-    if (!(size > 0)) return {};
-    const std::array<double, 2> w = toTriangle(u.place);
-    const Vec a = corner(i, 0), b = corner(i, 1), c = corner(i, 2);
-    return seen(from, a * w[0] + b * w[1] + c * (1 - w[0] - w[1]), n * (1 / size), 1 / area_);
+    return sampleTriangle(i, from, u.place, 1 / area_);
   }
 
   float pdf(Point<World> from, const LightHit& hit) const override {
     return static_cast<float>(toSolidAngle(1 / area_, toDouble(from), toDouble(hit.point), toDouble(hit.normal)));
   }
 
+  std::uint32_t partCount() const override { return static_cast<std::uint32_t>(mesh_->triangles.size()); }
+  SurfacePart part(std::uint32_t index) const override {
+    SurfacePart part{.isFlat = true};
+    for (const std::uint32_t i : mesh_->triangles[index]) part.box.extend(mesh_->positions[i]);
+    const Vec n = doubleAreaNormal(index);
+    const double size = length(n);
+    if (size > 0) part.normal = toFloat<Vector<World>>(n * (1 / size));
+    part.area = 0.5 * size;
+    return part;
+  }
+  std::optional<SurfaceSample> samplePart(std::uint32_t part, Point<World> from,
+                                          const LightUniforms& u) const override {
+    return sampleTriangle(part, from, u.place, 2 / length(doubleAreaNormal(part)));
+  }
+  float pdfPart(std::uint32_t part, Point<World> from, const LightHit& hit) const override {
+    const double twice = length(doubleAreaNormal(part));
+    if (!(twice > 0)) return 0;
+    return static_cast<float>(toSolidAngle(2 / twice, toDouble(from), toDouble(hit.point), toDouble(hit.normal)));
+  }
+
   double area() const override { return area_; }
   Point<World> centre() const override { return toFloat<Point<World>>(centre_); }
+  float extent() const override { return extent_; }
 
  private:
+  std::optional<SurfaceSample> sampleTriangle(std::size_t i, Point<World> from, std::array<float, 2> u,
+                                              double pdfArea) const {
+    const Vec n = doubleAreaNormal(i);
+    const double size = length(n);
+    if (!(size > 0)) return {};
+    const std::array<double, 2> w = toTriangle(u);
+    const Vec a = corner(i, 0), b = corner(i, 1), c = corner(i, 2);
+    return seen(from, a * w[0] + b * w[1] + c * (1 - w[0] - w[1]), n * (1 / size), pdfArea);
+  }
   Vec corner(std::size_t triangle, std::size_t i) const {
     return toDouble(mesh_->positions[mesh_->triangles[triangle][i]]);
   }
@@ -97,6 +119,7 @@ class MeshLight final : public LightSurface {
   std::vector<double> cumulative_;
   Vec centre_;
   double area_ = 0;
+  float extent_ = 0;
 };
 
 /// A flat shape in the xy plane under an affine map: uniform there is uniform on its image.
@@ -118,8 +141,20 @@ class FlatLight : public LightSurface {
 
   double area() const override { return area_; }
   Point<World> centre() const override { return toFloat<Point<World>>(centre_); }
+  float extent() const override { return static_cast<float>(std::sqrt((dot(x_, x_) + dot(y_, y_)) / 2)); }
+  SurfacePart part(std::uint32_t) const override {
+    const Vec half{std::fabs(x_.x) + std::fabs(y_.x), std::fabs(x_.y) + std::fabs(y_.y),
+                   std::fabs(x_.z) + std::fabs(y_.z)};
+    SurfacePart part{.normal = toFloat<Vector<World>>(normal_), .isFlat = true, .area = area_};
+    part.box = {toFloat<Point<World>>(centre_ - half), toFloat<Point<World>>(centre_ + half)};
+    return part;
+  }
 
  protected:
+  Vec x() const { return x_; }
+  Vec y() const { return y_; }
+  Vec middle() const { return centre_; }
+  Vec outward() const { return normal_; }
   std::optional<SurfaceSample> sampleAt(Point<World> from, double x, double y) const {
     return seen(from, centre_ + x_ * x + y_ * y, normal_, 1 / area_);
   }
@@ -131,11 +166,42 @@ class FlatLight : public LightSurface {
 
 class RectangleLight final : public FlatLight {
  public:
-  RectangleLight(const Transform<World, Object>& toWorld, bool flipNormals) : FlatLight(toWorld, flipNormals, 4) {}
+  RectangleLight(const Transform<World, Object>& toWorld, bool flipNormals) : FlatLight(toWorld, flipNormals, 4) {
+    const double a = dot(x(), x()), b = dot(y(), y());
+    isRight_ = a > 0 && b > 0 && std::fabs(dot(x(), y())) <= 1e-6 * std::sqrt(a * b);
+  }
 
   std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
-    return sampleAt(from, 2 * static_cast<double>(u.place[0]) - 1, 2 * static_cast<double>(u.place[1]) - 1);
+    const std::optional<SphericalRectangle> seenAs = seenFrom(from);
+    if (!seenAs) {
+      return sampleAt(from, 2 * static_cast<double>(u.place[0]) - 1, 2 * static_cast<double>(u.place[1]) - 1);
+    }
+    const Vec origin = toDouble(from);
+    const Vec d = seenAs->sample(static_cast<double>(u.place[0]), static_cast<double>(u.place[1]));
+    const double distance = length(d);
+    return SurfaceSample{toFloat<Point<World>>(origin + d), toFloat<Normal<World>>(outward()),
+                         toFloat<Vector<World>>(d * (1 / distance)), static_cast<float>(distance),
+                         static_cast<float>(1 / seenAs->solidAngle())};
   }
+
+  float pdf(Point<World> from, const LightHit& hit) const override {
+    const std::optional<SphericalRectangle> seenAs = seenFrom(from);
+    if (!seenAs) return FlatLight::pdf(from, hit);
+    return dot(toDouble(hit.direction), toDouble(hit.normal)) < 0 ? static_cast<float>(1 / seenAs->solidAngle()) : 0.0f;
+  }
+
+ private:
+  /// None from behind, and where it is so small or so much edge on that its solid angle has too few digits: there
+  /// points are uniform by area.
+  std::optional<SphericalRectangle> seenFrom(Point<World> from) const {
+    const Vec way = middle() - toDouble(from);
+    if (!isRight_ || !(dot(way, outward()) < 0)) return {};
+    const SphericalRectangle rectangle(way - x() - y(), x() * 2, y() * 2);
+    if (!(rectangle.solidAngle() > 1e-5)) return {};
+    return rectangle;
+  }
+
+  bool isRight_ = false;
 };
 
 class DiskLight final : public FlatLight {
@@ -188,6 +254,16 @@ class SphereLight final : public LightSurface {
 
   double area() const override { return area_; }
   Point<World> centre() const override { return toFloat<Point<World>>(centre_); }
+  float extent() const override { return static_cast<float>(std::sqrt(area_ / (4 * std::numbers::pi))); }
+  SurfacePart part(std::uint32_t) const override {
+    const auto half = [&](std::size_t i) {
+      return std::sqrt(matrix_[i][0] * matrix_[i][0] + matrix_[i][1] * matrix_[i][1] + matrix_[i][2] * matrix_[i][2]);
+    };
+    const Vec halves{half(0), half(1), half(2)};
+    SurfacePart part{.area = area_};
+    part.box = {toFloat<Point<World>>(centre_ - halves), toFloat<Point<World>>(centre_ + halves)};
+    return part;
+  }
 
  private:
   /// The directions from a point to the sphere.

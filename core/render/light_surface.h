@@ -18,6 +18,14 @@ struct SurfaceSample {
   float pdf = 0;  ///< Per steradian.
 };
 
+/// A part of a surface that can be sampled apart: all of it, or a triangle of a mesh.
+struct SurfacePart {
+  Box<World> box;
+  Vector<World> normal{0, 0, 1};  ///< Unit, outwards, where it is flat.
+  bool isFlat = false;
+  double area = 0;  ///< Scene units²; may be 0.
+};
+
 /// The emitting side of a surface: the one that its outward normal points to.
 class LightSurface {
  public:
@@ -28,8 +36,18 @@ class LightSurface {
   virtual std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const = 0;
   /// The density of `sample` at a hit; 0 at its back.
   virtual float pdf(Point<World> from, const LightHit& hit) const = 0;
+
+  virtual std::uint32_t partCount() const { return 1; }
+  virtual SurfacePart part(std::uint32_t index) const = 0;
+  /// As `sample` and `pdf`, of one part alone.
+  virtual std::optional<SurfaceSample> samplePart(std::uint32_t, Point<World> from, const LightUniforms& u) const {
+    return sample(from, u);
+  }
+  virtual float pdfPart(std::uint32_t, Point<World> from, const LightHit& hit) const { return pdf(from, hit); }
+
   virtual double area() const = 0;          ///< Scene units².
   virtual Point<World> centre() const = 0;  ///< Mean of its points.
+  virtual float extent() const = 0;         ///< About the distance of its points from the centre.
 };
 
 // Each of these is null when the surface has no area.
@@ -38,7 +56,8 @@ class LightSurface {
 /// surface.
 std::unique_ptr<const LightSurface> makeMeshLight(const accel::TriangleMesh& mesh);
 
-/// The square [-1, 1]² of the xy plane, facing +z; uniform by area.
+/// The square [-1, 1]² of the xy plane, facing +z: as a rectangle uniform by solid angle, far away and as a
+/// parallelogram by area.
 std::unique_ptr<const LightSurface> makeRectangleLight(const Transform<World, Object>& toWorld, bool flipNormals);
 
 /// The unit disk of the xy plane, facing +z, uniform by area.

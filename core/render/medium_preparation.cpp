@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 
 #include "core/render/kernel_queue.h"
@@ -11,6 +12,7 @@
 namespace aerosol::render {
 
 using volume::DistanceMethod;
+using volume::TransmittanceMethod;
 
 namespace {
 
@@ -121,6 +123,82 @@ void plantTree(PreparedScene& scene, volume::Medium& medium, MediumRanges& range
   statistics.seconds = std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Is scattering nowhere possible, as far as is proven?
+bool mayScatter(const volume::Medium& medium) {
+  if (medium.constant) return !isBlack(medium.constant->sigmaS);
+  if (!medium.tree) return true;
+  const auto scatters = [](const volume::BoundRanges& r) { return r.scatteringHigh > 0; };
+  return medium.tree->outside.kind() != volume::LeafKind::empty || medium.tree->ranges.empty() ||
+         std::ranges::any_of(medium.tree->ranges, scatters);
+}
+
+/// Emission is found by collisions: where extinction is small, so would be their number.
+bool mayEmit(const volume::Medium& medium) {
+  return medium.tree &&
+         std::ranges::any_of(medium.tree->ranges, [](const volume::BoundRanges& r) { return r.emissionHigh > 0; });
+}
+
+TransmittanceMethod transmittanceMethod(scene::TransmittanceSampling wanted, bool tracks) {
+  switch (wanted) {
+    case scene::TransmittanceSampling::automatic:
+      break;
+    case scene::TransmittanceSampling::marching:
+      return TransmittanceMethod::marching;
+    case scene::TransmittanceSampling::ratio:
+      return TransmittanceMethod::ratioTracking;
+    case scene::TransmittanceSampling::twoCombs:
+      return TransmittanceMethod::twoCombs;
+    case scene::TransmittanceSampling::unbiased:
+      return TransmittanceMethod::unbiasedMarching;
+  }
+  return tracks ? TransmittanceMethod::ratioTracking : TransmittanceMethod::marching;
+}
+
+std::string describeDistances(const volume::Medium& medium, bool isAsked) {
+  const char* const asked = isAsked ? ", as the scene asks" : "";
+  switch (medium.method) {
+    case DistanceMethod::closedForm:
+      return "closed form: its coefficients are constant";
+    case DistanceMethod::marching:
+      if (isAsked) return fmt::format("ray marching by {:.4g}{}", medium.stepSize, asked);
+      return fmt::format("ray marching by {:.4g}: no bound on its extinction is {}", medium.stepSize,
+                         medium.bound ? "more than an estimate" : "known");
+    case DistanceMethod::nullScattering:
+      break;
+  }
+  constexpr std::array provenances{"proven", "declared", "estimated"};
+  const char* const provenance = provenances[static_cast<std::size_t>(medium.bound->provenance)];
+  return fmt::format("null scattering{}: extinction is at most {:.4g}, {}{}{}",
+                     medium.relaxesBound ? fmt::format(" with a collision each {:.4g} at least", medium.stepSize) : "",
+                     medium.bound->value, provenance, medium.tree ? " place by place" : "", asked);
+}
+
+std::string describeTransmittance(const volume::Medium& medium) {
+  switch (medium.transmittance) {
+    case TransmittanceMethod::closedForm:
+      return "";
+    case TransmittanceMethod::marching:
+      return medium.method == DistanceMethod::marching ? "" : "; marching to lights";
+    case TransmittanceMethod::ratioTracking:
+      return medium.method == DistanceMethod::nullScattering ? "" : "; ratio tracking to lights";
+    case TransmittanceMethod::twoCombs:
+      return "; two combs to lights";
+    case TransmittanceMethod::unbiasedMarching:
+      break;
+  }
+  return "; unbiased marching to lights";
+}
+
+/// A medium that has no bound although its method needs one.
+void refuseWithoutBound(const PreparedScene& scene, const volume::Medium& medium, const char* method,
+                        const char* instead, Diagnostics& errors) {
+  errors.error(scene.mediumLocations[medium.index],
+               fmt::format("{} needs a bound on the extinction of '{}'", method, scene.mediumNames[medium.index]),
+               {fmt::format("give the medium or volume a float 'density_bound', or the shader the metadata "
+                            "[[ string extinction_bound = \"PARAMETER\" ]], or choose {} 'marching'",
+                            instead)});
+}
+
 }  // namespace
 
 Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const scene::MediumSampling& sampling,
@@ -136,13 +214,28 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   medium.constant = constantOf(scene, shader, ranges, place);
   if (medium.constant) {
     medium.method = DistanceMethod::closedForm;
+    medium.transmittance = TransmittanceMethod::closedForm;
+    medium.mayScatter = mayScatter(medium);
+    scene.samplingReasons[medium.index] = describeDistances(medium, false);
     return errors;
   }
   const std::optional<float> declared = sampling.densityBound ? sampling.densityBound : declaredBound(family, instance);
   const std::optional<float> everywhere = ranges.boundEverywhere();
   medium.bound = lowestBound(everywhere, declared);
-  const scene::DistanceSampling wanted = sampling.distance.value_or(integrator.distance);
-  if (place.domain && (ranges.canProve() || declared || wanted == scene::DistanceSampling::nullScattering)) {
+  using scene::DistanceSampling;
+  using scene::TransmittanceSampling;
+  const DistanceSampling wanted = sampling.distance.value_or(integrator.distance);
+  const TransmittanceSampling wantedToLights = sampling.transmittance.value_or(integrator.transmittance);
+  const bool wantsTracking = wanted == DistanceSampling::nullScattering || wanted == DistanceSampling::relaxed;
+  const bool needsBound = wantsTracking || wantedToLights == TransmittanceSampling::ratio;
+  if (wanted == DistanceSampling::analytic) {
+    errors.error(
+        scene.mediumLocations[medium.index],
+        fmt::format("distances in '{}' have no closed form: its coefficients vary", scene.mediumNames[medium.index]),
+        {"choose distance 'auto', 'marching' or 'null' for this medium"});
+    return errors;
+  }
+  if (place.domain && (ranges.canProve() || declared || needsBound)) {
     plantTree(scene, medium, ranges,
               {.domain = *place.domain,
                .objectToWorld = instance.objectToWorld,
@@ -152,17 +245,21 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
                .mayLeaveOut = ranges.mayLeaveOut(),
                .budget = budget});
   }
-  if (wanted == scene::DistanceSampling::nullScattering && !medium.bound) {
-    errors.error(
-        scene.mediumLocations[medium.index],
-        fmt::format("null scattering needs a bound on the extinction of '{}'", scene.mediumNames[medium.index]),
-        {"give the medium or volume a float 'density_bound', or the shader the metadata "
-         "[[ string extinction_bound = \"PARAMETER\" ]], or choose distance 'marching'"});
+  if (wantsTracking && !medium.bound) {
+    refuseWithoutBound(scene, medium, "null scattering", "distance", errors);
+  } else if (wantedToLights == TransmittanceSampling::ratio && !medium.bound) {
+    refuseWithoutBound(scene, medium, "ratio tracking", "transmittance", errors);
   }
+  medium.mayScatter = mayScatter(medium);
   const bool isKnown = medium.bound && medium.bound->provenance != volume::Provenance::estimated;
-  const bool scatters =
-      wanted == scene::DistanceSampling::nullScattering || (wanted == scene::DistanceSampling::automatic && isKnown);
-  medium.method = scatters ? DistanceMethod::nullScattering : DistanceMethod::marching;
+  const bool tracks = wantsTracking || (wanted == DistanceSampling::automatic && isKnown);
+  medium.relaxesBound =
+      wanted == DistanceSampling::relaxed || (wanted == DistanceSampling::automatic && tracks && mayEmit(medium));
+  medium.method = tracks ? DistanceMethod::nullScattering : DistanceMethod::marching;
+  medium.transmittance = transmittanceMethod(wantedToLights, tracks);
+  if (errors.hasErrors()) return errors;
+  scene.samplingReasons[medium.index] =
+      describeDistances(medium, wanted != DistanceSampling::automatic) + describeTransmittance(medium);
   return errors;
 }
 

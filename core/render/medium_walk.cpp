@@ -7,6 +7,7 @@
 #include "core/volume/trackers/homogeneous.h"
 #include "core/volume/trackers/null_scattering.h"
 #include "core/volume/trackers/ray_marching.h"
+#include "core/volume/trackers/transmittance.h"
 
 namespace aerosol::render {
 
@@ -18,13 +19,14 @@ using volume::MediumSpan;
 using volume::Segment;
 using volume::Task;
 
-void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const Medium* boundaryMedium) {
+void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const Medium* boundaryMedium,
+                  const volume::MediumStack& media) {
   const PhaseScope phase(path.statistics().accel.phase, Phase::intervals);
   auto& boundary = path.mediumSpans.boundary();
   boundary.clear();
   if (boundaryMedium && t0 < t1) boundary.push_back({t0, t1, boundaryMedium});
   path.mediumSpans.clipped().clear();
-  if (path.scene().nestsMedia && path.media.clipsVolumes()) path.mediumSpans.clipped().push_back({t0, t1, nullptr});
+  if (path.scene().nestsMedia && media.clipsVolumes()) path.mediumSpans.clipped().push_back({t0, t1, nullptr});
   path.mediumSpans.begin(path.scene(), ray, t0, t1, path.spans, path.statistics().accel);
   path.segments.begin(path.mediumSpans);
 }
@@ -47,50 +49,90 @@ float stepSizeOf(const Segment& segment) {
   return step;
 }
 
+/// Three numbers of the stratified stream, then hashes.
+class DistanceSource {
+ public:
+  DistanceSource(SampleStream& stream, DistanceNumbers numbers) : hashes_(stream) {
+    if (numbers == DistanceNumbers::hashed) return;
+    const std::array<float, 2> pair = stream.next2D();
+    first_ = {stream.next1D(), pair[0], pair[1]};
+    left_ = 3;
+  }
+  float next() { return left_ > 0 ? first_[--left_] : hashes_.next(); }
+
+ private:
+  std::array<float, 3> first_{};  ///< Taken from its end.
+  std::size_t left_ = 0;
+  HashSource hashes_;
+};
+
+/// Constant media behind this optical depth are left to transmittance sampling.
+constexpr double largestDepth = 8;
+
+/// Length at which the least extinct channel of a constant medium has lost its light; infinite where it varies.
+double reachOf(const Medium& medium) {
+  if (!medium.constant) return std::numeric_limits<double>::infinity();
+  const float sigma = minimum(medium.constant->sigmaT);
+  return sigma > volume::negligibleExtinction ? largestDepth / static_cast<double>(sigma)
+                                              : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
-Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput) {
+volume::RayStretches scatteringStretches(const PathContext& path, double t0, double t1, const Medium* boundaryMedium) {
+  volume::RayStretches stretches;
+  double end = t1;
+  if (boundaryMedium) end = std::min(end, t0 + reachOf(*boundaryMedium));
+  const bool isWhole = (boundaryMedium && boundaryMedium->mayScatter) ||
+                       path.scene().geometry->overlapDesign() == accel::OverlapDesign::partition;
+  if (isWhole && t0 < end) stretches.add(t0, end);
+  for (const accel::Span& span : path.spans) {
+    const Medium& medium = *path.scene().volumes[span.volume];
+    const double a = std::max(span.t0, t0);
+    end = std::min(end, a + reachOf(medium));
+    const double b = std::min(span.t1, end);
+    if (medium.mayScatter && a < b) stretches.add(a, b);
+  }
+  return stretches;
+}
+
+Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput, volume::GivenDistance* given,
+                                    DistanceNumbers numbers) {
   DistanceSample whole;
-  HashSource random(path.random());
   Segment segment;
-  while (path.segments.next(segment)) {
+  if (!path.segments.next(segment)) co_return whole;
+  DistanceSource random(path.random(), numbers);
+  do {
+    const bool tracks = whole.event == DistanceEvent::passed, finds = given && given->concerns(segment);
+    if (!tracks && !finds) break;
     DistanceSample part;
     switch (methodOf(segment)) {
-      case DistanceMethod::closedForm:
-        part = volume::sampleHomogeneous(segment, throughput, random);
+      case DistanceMethod::closedForm: {
+        const volume::HomogeneousSegment homogeneous(segment, throughput);
+        if (tracks) part = homogeneous.sample(random);
+        if (finds) homogeneous.find(*given, random);
         break;
+      }
       case DistanceMethod::marching:
-        part = co_await volume::sampleByMarching(path, ray, segment, stepSizeOf(segment), throughput, random);
+        part = co_await volume::sampleByMarching(path, ray, segment, stepSizeOf(segment), throughput, random,
+                                                 path.marchingTable, given, tracks);
         break;
       case DistanceMethod::nullScattering:
-        part = co_await volume::sampleByNullScattering(path, ray, segment, throughput, random);
+        part = co_await volume::sampleByNullScattering(path, ray, segment, throughput, random, given, tracks);
         break;
     }
+    if (!tracks) continue;
     part.emission = whole.emission + whole.weight * part.emission;
     part.weight *= whole.weight;
     part.logPdf += whole.logPdf;
+    part.choicePdf *= whole.choicePdf;
     if (whole.pdfKind == volume::PdfKind::joint) part.pdfKind = volume::PdfKind::joint;
     whole = part;
-    if (whole.event != DistanceEvent::passed) break;
-  }
+  } while ((whole.event == DistanceEvent::passed || (given && given->isOpen())) && path.segments.next(segment));
   co_return whole;
 }
 
 namespace {
-
-Task<Color> mediumTransmittance(PathContext& path, Ray<World> ray, MediumSpan span) {
-  HashSource random(path.random());
-  switch (span.medium->method) {
-    case DistanceMethod::marching:
-      co_return co_await volume::marchedTransmittance(path, ray, span, span.medium->stepSize, random);
-    case DistanceMethod::nullScattering:
-      co_return co_await volume::ratioTracking(path, ray, span, random);
-    case DistanceMethod::closedForm:
-      break;
-  }
-  const auto length = static_cast<float>(span.t1 - span.t0);
-  co_return exp(volume::opticalDepth(span.medium->constant->sigmaT, length) * -1.0f);
-}
 
 /// The medium behind a surface without effect of its own.
 const Medium* crossBoundary(PathContext& path, const accel::Interface& interface) {
@@ -135,8 +177,9 @@ Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Mediu
   collectSpans(path, ray, boundaryMedium, media);
   path.setRay(ray);
   path.setRayTypes(shading::ray::shadow);
+  HashSource random(path.random());
   for (MediumSpan span; !isBlack(transmittance) && path.mediumSpans.take(span);) {
-    transmittance *= co_await mediumTransmittance(path, ray, span);
+    transmittance *= co_await volume::estimateTransmittance(span.medium->transmittance, path, ray, span, random);
   }
   co_return transmittance;
 }

@@ -4,18 +4,31 @@
 #include "core/accel/scene.h"
 #include "core/render/path_context.h"
 #include "core/volume/distance_sample.h"
+#include "core/volume/equiangular.h"
 #include "core/volume/task.h"
 
 namespace aerosol::render {
 
 /// Begins `path.segments`: what volume primitives (`path.spans`, as the ray's query left them) and the surface-defined
-/// medium around the ray say about [t0, t1].
-void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const volume::Medium* boundaryMedium);
+/// medium around the ray say about [t0, t1]. Where media nest, `media` are those around it.
+void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const volume::Medium* boundaryMedium,
+                  const volume::MediumStack& media);
+
+/// Where media may scatter between t0 and t1, as far as a look at the same spans tells: a superset.
+volume::RayStretches scatteringStretches(const PathContext& path, double t0, double t1,
+                                         const volume::Medium* boundaryMedium);
+
+/// Where the numbers of a distance come from. The first few decide most: of a path's own rays they come from the
+/// stratified stream, which gives them `distanceSlots` slots.
+enum class DistanceNumbers : std::uint8_t { stratified, hashed };
+inline constexpr std::uint32_t distanceSlots = 2;
 
 /// Samples a distance through `path.segments`, which are found no farther than the path comes. `throughput` steers
 /// choices between channels alone. The result's weights and emission are for the whole way; `passed` means past the
-/// last segment.
-volume::Task<volume::DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput);
+/// last segment. What lies at a `given` distance is found on the same way.
+volume::Task<volume::DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput,
+                                                    volume::GivenDistance* given = nullptr,
+                                                    DistanceNumbers numbers = DistanceNumbers::hashed);
 
 /// What arrives of the light that enters at the ray's end: the product of all media's transmittances (no sorting, no
 /// splitting), zero behind an opaque surface. Estimated; may be negative where a bound is exceeded. Where media nest,

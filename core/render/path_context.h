@@ -19,6 +19,7 @@
 #include "core/volume/medium.h"
 #include "core/volume/medium_stack.h"
 #include "core/volume/segment_stream.h"
+#include "core/volume/trackers/marching_table.h"
 
 namespace aerosol::render {
 
@@ -200,6 +201,7 @@ class PathContext {
   accel::InterfaceBuffer interfaces;
   PathSpans mediumSpans;
   volume::SegmentStream segments;
+  volume::MarchingTable marchingTable;
 
   volume::MediumStack media;        ///< Surface-defined interiors around the path; only where media nest.
   volume::MediumStack shadowMedia;  ///< The same along a shadow ray.

@@ -19,6 +19,7 @@
 #include "core/render/scene_attributes.h"
 #include "core/render/scene_services.h"
 #include "core/render/shader_binding.h"
+#include "core/render/volume_light.h"
 
 namespace aerosol::render {
 
@@ -523,6 +524,7 @@ class Preparation {
     const std::size_t count = scene_->media.size();
     scene_->trees.resize(count);
     scene_->treeStatistics.resize(count);
+    scene_->samplingReasons.resize(count);
     const scene::Integrator& integrator = description_.integrator;
     const std::uint64_t share = std::max<std::size_t>(1, count);
     const volume::BoundBudget budget{.boxes = static_cast<std::uint64_t>(integrator.boundBoxes) / share,
@@ -600,6 +602,18 @@ class Preparation {
         continue;
       }
       if (add(*shape.emitter, surface)) scene_->objects[i].light = static_cast<std::uint32_t>(lights.size() - 1);
+    }
+    for (const volume::Medium& medium : scene_->media) {
+      const shading::InstanceRef shader = scene_->mediumShaders[medium.index];
+      const std::optional<Box<Object>>& domain = placements_[medium.index].place.domain;
+      std::unique_ptr<const Light> glow;
+      if (!medium.constant) {
+        if (medium.tree) glow = VolumeLight::make(*medium.tree);
+      } else if (domain) {
+        const auto& instance = scene_->shading.family(shader).instances[shader.index];
+        glow = VolumeLight::make(*domain, instance.objectToWorld, medium.constant->emission);
+      }
+      if (glow) lights.push_back(std::move(glow));
     }
     scene_->lights = LightSet(std::move(lights), 0.5f * sceneExtent());
     scene_->phase = registry_.phase("henyey_greenstein");
@@ -690,7 +704,8 @@ class Preparation {
         description_.sampler.type == scene::SamplerType::sobol ? SamplerKind::sobol : SamplerKind::independent;
     scene_->seed = static_cast<std::uint64_t>(description_.sampler.seed);
     const scene::Integrator& integrator = description_.integrator;
-    scene_->path = {integrator.maxDepth, integrator.rrDepth, integrator.hideEmitters, integrator.stepScale};
+    scene_->path = {integrator.maxDepth, integrator.rrDepth, integrator.hideEmitters, integrator.stepScale,
+                    integrator.equiangular};
     scene_->loopBudget = options_.loopBudget;
   }
 

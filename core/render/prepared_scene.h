@@ -43,6 +43,7 @@ struct PathSettings {
   int rrDepth = 5;    ///< Path length from which Russian roulette is played.
   bool hideEmitters = false;
   float stepScale = 1;
+  bool equiangular = true;  ///< Distances in media are also sampled for the lights beside the ray.
 };
 
 /// How a medium moves by its velocity: its shader is run at x - (t - reference) v(x).
@@ -65,6 +66,7 @@ struct PreparedScene {
   std::vector<std::optional<MediumVelocity>> velocities;        ///< By medium index; empty when no medium has one.
   std::vector<std::unique_ptr<const volume::BoundTree>> trees;  ///< By medium index; null where a medium has none.
   std::vector<volume::BoundStatistics> treeStatistics;          ///< By medium index.
+  std::vector<std::string> samplingReasons;                     ///< By medium index: the methods, and why.
   std::vector<std::vector<const Closure*>> siteClosures;        ///< By family, then closure site; null: none.
   std::vector<PreparedObject> objects;                          ///< By accel::ObjectId.
   std::vector<const volume::Medium*> volumes;                   ///< By accel::VolumeId.

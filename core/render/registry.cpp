@@ -18,7 +18,9 @@ NamedLight nameLight(const scene::Emitter& emitter) {
   const Vector<World> d = emitter.direction;
   switch (emitter.type) {
     case scene::EmitterType::point:
-      return {"point", {{"intensity", emitter.emitted}, {"position", Point<Unplaced>(p.x, p.y, p.z)}}};
+      return {
+          "point",
+          {{"intensity", emitter.emitted}, {"position", Point<Unplaced>(p.x, p.y, p.z)}, {"radius", emitter.radius}}};
     case scene::EmitterType::directional:
       return {"directional", {{"irradiance", emitter.emitted}, {"direction", Vector<Unplaced>(d.x, d.y, d.z)}}};
     case scene::EmitterType::constant:

@@ -32,6 +32,7 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   invalidCoefficients += o.invalidCoefficients;
   invalidVelocities += o.invalidVelocities;
   invalidClosures += o.invalidClosures;
+  raysIntoLights += o.raysIntoLights;
   frameHeapBlocks += o.frameHeapBlocks;
   media += o.media;
   if (kernels.size() < o.kernels.size()) kernels.resize(o.kernels.size());

@@ -22,6 +22,7 @@ const ShaderParameter* ShaderUse::find(const std::string& parameter) const {
 MediumSampling MediumSampling::orElse(const MediumSampling& other) const {
   MediumSampling result = *this;
   if (!result.distance) result.distance = other.distance;
+  if (!result.transmittance) result.transmittance = other.transmittance;
   if (!result.stepSize) result.stepSize = other.stepSize;
   if (!result.densityBound) result.densityBound = other.densityBound;
   return result;

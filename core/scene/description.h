@@ -80,14 +80,26 @@ struct ShaderUse {
 
 /// How distances in a medium are sampled.
 enum class DistanceSampling : std::uint8_t {
-  automatic,      ///< The renderer chooses, by what it knows of the density's bound.
-  marching,       ///< Ray marching.
-  nullScattering  ///< Delta tracking against a bound.
+  automatic,       ///< The renderer chooses, by what it knows of the density's bound.
+  marching,        ///< Ray marching.
+  nullScattering,  ///< Delta tracking against a bound.
+  relaxed,         ///< The same against max(bound, 1 / step size): more steps, less noise in thin media.
+  analytic         ///< Closed forms; an error where there is none.
+};
+
+/// How the transmittance of a medium to a light is estimated.
+enum class TransmittanceSampling : std::uint8_t {
+  automatic,  ///< As distances are sampled.
+  marching,   ///< Ray marching.
+  ratio,      ///< Residual ratio tracking against a bound.
+  twoCombs,   ///< Two jittered marches of twice the step.
+  unbiased    ///< Unbiased ray marching.
 };
 
 /// What a medium or volume says about its sampling; what it does not say is decided later.
 struct MediumSampling {
   std::optional<DistanceSampling> distance;
+  std::optional<TransmittanceSampling> transmittance;
   std::optional<float> stepSize;      ///< Ray marching step, scene units, > 0.
   std::optional<float> densityBound;  ///< Declared upper bound of the extinction, per scene unit, > 0.
 
@@ -124,8 +136,10 @@ struct Integrator {
   int maxDepth = -1;  ///< Longest path: 1 shows emitters, 2 direct light …; -1 is unbounded.
   int rrDepth = 5;    ///< Path length from which Russian roulette is played, at least 1.
   bool hideEmitters = false;
-  bool lowerPriorityWins = false;                           ///< Of surface-defined media that overlap.
-  DistanceSampling distance = DistanceSampling::automatic;  ///< For media that do not choose.
+  bool lowerPriorityWins = false;                                          ///< Of surface-defined media that overlap.
+  DistanceSampling distance = DistanceSampling::automatic;                 ///< For media that do not choose.
+  TransmittanceSampling transmittance = TransmittanceSampling::automatic;  ///< For media that do not choose.
+  bool equiangular = true;  ///< Distances in media are also chosen for the lights beside a ray.
   OverlapChoice overlap = OverlapChoice::automatic;
   float stepScale = 1;       ///< Factor on all ray marching steps, > 0.
   int boundBoxes = 1 << 16;  ///< Boxes over which bounds of all media together may be evaluated, at least 0.
@@ -214,6 +228,7 @@ struct Emitter {
   /// Point: radiant intensity (W/sr). Directional: irradiance (W/m²) at right angles. Constant, area: radiance.
   Color emitted{1, 1, 1};
   Point<World> position;             ///< Of a point.
+  float radius = 0;                  ///< Of a point: no ray comes nearer; 0: only rays that meet it are kept off.
   Vector<World> direction{0, 0, 1};  ///< Of a directional light: where it travels; unit length.
   Origin origin;
 };

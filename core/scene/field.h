@@ -21,7 +21,11 @@ struct Words;
 
 template <>
 struct Words<DistanceSampling> {
-  static constexpr std::array words = {"auto", "marching", "null"};
+  static constexpr std::array words = {"auto", "marching", "null", "relaxed", "analytic"};
+};
+template <>
+struct Words<TransmittanceSampling> {
+  static constexpr std::array words = {"auto", "marching", "ratio", "two_combs", "unbiased"};
 };
 template <>
 struct Words<OverlapChoice> {

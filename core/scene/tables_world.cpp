@@ -106,6 +106,10 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                {.name = "overlap",
                 .doc = "how volume primitives along a ray are found: all of them, then sorted and split; or by "
                        "walking a partition of space as far as the path comes; auto decides by how many overlap"}),
+           field<&Integrator::transmittance>(
+               {.name = "transmittance", .doc = "transmittance to lights through media that do not choose"}),
+           field<&Integrator::equiangular>(
+               {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
            field<&Integrator::stepScale>(
                {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
            field<&Integrator::boundBoxes>({.name = "bound_boxes",
@@ -136,7 +140,12 @@ const std::vector<TypeTable<Emitter>>& emitterTypes() {
        .doc = "light from one point",
        .fields = {field<&Emitter::position>({.name = "position", .unit = "scene units", .doc = "place in the world"}),
                   placementField("instead of position: moves the origin to the light"),
-                  emittedField("intensity", "W/sr", "radiant intensity")}},
+                  emittedField("intensity", "W/sr", "radiant intensity"),
+                  field<&Emitter::radius>({.name = "radius",
+                                           .unit = "scene units",
+                                           .doc = "no ray through media comes nearer than this; 0: only rays that meet "
+                                                  "the light are kept off, by 1e-4 of their way through media",
+                                           .range = Range::atLeast(0)})}},
       {.type = "directional",
        .doc = "parallel light from far away",
        .fields = {directionField(), placementField("instead of direction: turns +z into it"),
@@ -163,7 +172,9 @@ const std::vector<Field<MediumSampling>>& samplingFields() {
                                             .defaultText = "found by the renderer",
                                             .range = Range::positive()}),
       field<&MediumSampling::distance>(
-          {.name = "distance", .doc = "distance sampling", .defaultText = "the integrator's"})};
+          {.name = "distance", .doc = "distance sampling", .defaultText = "the integrator's"}),
+      field<&MediumSampling::transmittance>(
+          {.name = "transmittance", .doc = "transmittance to lights", .defaultText = "the integrator's"})};
   return fields;
 }
 

@@ -22,6 +22,14 @@ enum class DistanceMethod : std::uint8_t {
   nullScattering  ///< Delta and ratio tracking under a bound: unbiased.
 };
 
+enum class TransmittanceMethod : std::uint8_t {
+  closedForm,       ///< Constant coefficients.
+  marching,         ///< Ray marching.
+  ratioTracking,    ///< Residual ratio tracking under a bound: unbiased.
+  twoCombs,         ///< Two jittered marches of twice the step: a smaller bias.
+  unbiasedMarching  ///< A power series of jittered marches: unbiased.
+};
+
 /// Extinction below this counts as none: 1 / pdf would not fit into a float, and no scene is 1e30 units long.
 inline constexpr float negligibleExtinction = 1e-30f;
 
@@ -31,11 +39,13 @@ class PhaseFunction;
 struct Medium {
   std::uint32_t index = 0;  ///< The evaluator's key.
   DistanceMethod method = DistanceMethod::marching;
+  TransmittanceMethod transmittance = TransmittanceMethod::marching;
   std::optional<Coefficients> constant;  ///< Set when the compiled shader reads nothing that varies.
   std::optional<ExtinctionBound> bound;  ///< On the largest channel of extinction, everywhere in the medium.
   const MovingTransform<World, Object>* motion = nullptr;  ///< Of its object space, where that moves.
   const BoundTree* tree = nullptr;  ///< Bounds place by place, if there are any; then `bound` is the largest.
   float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
+  bool mayScatter = true;                                   ///< False where it is known that it nowhere does.
   bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
   const PhaseFunction* phase = nullptr;  ///< Of all lobes, whatever their anisotropy; null: Henyey–Greenstein with it.
 

@@ -73,6 +73,13 @@ class SegmentWalk {
       if (!walks_[i].known()) use(*media_[i], walks_[i].leaf(), answers[next++]);
     }
   }
+  /// Calls `use(medium, coefficients)` for all media that are the same on the whole stretch.
+  template <class Use>
+  void forKnown(Use&& use) const {
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+      if (walks_[i].known()) use(*media_[i], *walks_[i].known());
+    }
+  }
   /// Of the lobes of all media at the point of the answers; see volume::chooseLobe.
   void chooseLobe(std::span<const Coefficients> answers, Color weight, float u, DistanceSample& sample) const {
     const auto forEach = [&](auto&& use) {

@@ -6,6 +6,7 @@
 
 #include "core/render/direct_light.h"
 #include "core/render/interior.h"
+#include "core/render/lights_along_ray.h"
 #include "core/render/media_probe.h"
 #include "core/render/medium_walk.h"
 #include "core/render/nesting.h"
@@ -24,10 +25,16 @@ using volume::Task;
 /// Every vertex has its own slots of the sample stream, whatever was drawn before: samples of a pixel stay stratified
 /// against each other vertex by vertex. Slots before are the camera's.
 constexpr std::uint32_t cameraSlots = 2;
+constexpr std::uint32_t raySlots = 2 + distanceSlots;
 constexpr std::uint32_t vertexSlots = 4;
 
+/// Of the ray that is the path's segment number `length`.
+void beginRay(PathContext& path, int length) {
+  path.random().skipTo(cameraSlots + (raySlots + vertexSlots) * static_cast<std::uint32_t>(length - 1));
+}
+/// Of the vertex at its end.
 void beginVertex(PathContext& path, int length) {
-  path.random().skipTo(cameraSlots + vertexSlots * static_cast<std::uint32_t>(length - 1));
+  path.random().skipTo(cameraSlots + (raySlots + vertexSlots) * static_cast<std::uint32_t>(length - 1) + raySlots);
 }
 
 /// A path as it grows.
@@ -57,17 +64,39 @@ void continueFrom(PathState& state, Point<World> origin, Vector<World> direction
   ++state.length;
 }
 
+/// The lights beside the path's ray between t0 and t1.
+LightsAlongRay lightsAlongRay(const PathContext& path, const PathState& state, double t0, double t1) {
+  const PreparedScene& scene = path.scene();
+  if (scene.lights.placed().empty() || scene.media.empty()) return {};
+  const bool chooses = scene.path.equiangular && state.length != scene.path.maxDepth;
+  return {scene.lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), chooses};
+}
+
+/// Light that reaches the ray at a place chosen for it.
+Task<Color> lightAlongRay(PathContext& path, const PathState& state, const LightsAlongRay& lights,
+                          const LightsAlongRay::Choice& choice, const volume::DistanceSample& found) {
+  if (found.event != DistanceEvent::scattered) co_return Color();
+  const PlaceOnRay place{lights, found.t, found.choicePdf};
+  const MediumVertex vertex(path.scene().phaseOf(*found.medium), state.ray, place, found.anisotropy,
+                            state.boundaryMedium, path.media);
+  const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time);
+  path.setRay(state.ray);
+  path.setRayTypes(state.rayTypes);
+  co_return found.weight* light;
+}
+
 /// Scatters in a medium. False when the path ends.
-Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance,
+Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance, const LightsAlongRay& lights,
                            const volume::DistanceSample& event) {
   const PreparedScene& scene = path.scene();
-  const MediumVertex vertex(scene.phaseOf(*event.medium), accel::pointAt(state.ray, event.t), state.ray.direction,
-                            event.anisotropy, state.boundaryMedium, path.media);
+  const PlaceOnRay place{lights, event.t, event.choicePdf};
+  const MediumVertex vertex(scene.phaseOf(*event.medium), state.ray, place, event.anisotropy, state.boundaryMedium,
+                            path.media);
   if (state.length == scene.path.maxDepth) co_return false;
   beginVertex(path, state.length);
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
-  state.direction = {vertex.position(), next.pdf, next.isDelta};
+  state.direction = {vertex.position(), next.pdf, next.isDelta, place};
   state.rayTypes = shading::ray::diffuse;
   continueFrom(state, vertex.position(), next.direction, Color(next.weight));
   co_return true;
@@ -158,7 +187,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   const Vector<World> before = state.ray.direction;
   const bool crosses = dot(next->direction, hit.geometricNormal) * dot(before, hit.geometricNormal) > 0;
   state.rayTypes = rayTypeAfter(*next, crosses, state.rayTypes);
-  state.direction = {hit.point, next->pdf, next->isDelta};
+  state.direction = {hit.point, next->pdf, next->isDelta, {}};
   continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight);
   if (crosses && nesting.isInterface) {
     goBehind(path, state, nesting);
@@ -196,18 +225,32 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       hit = scene.geometry->closestHit(state.ray, path.spans, path.statistics().accel, passed ? &*passed : nullptr);
     }
     const double begin = isTouching ? 0 : passed ? passed->t : static_cast<double>(state.ray.tMin);
-    findSegments(path, state.ray, begin, hit ? hit->t : static_cast<double>(state.ray.tMax), state.boundaryMedium);
+    const double end = hit ? hit->t : static_cast<double>(state.ray.tMax);
+    findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media);
     path.setRay(state.ray);
     path.setRayTypes(state.rayTypes);
-    const volume::DistanceSample event = co_await sampleDistance(path, state.ray, state.throughput);
-    radiance.color += state.throughput * event.emission;
+    const LightsAlongRay lights = lightsAlongRay(path, state, begin, end);
+    beginRay(path, state.length);
+    const auto lit = lights.chooses() ? lights.choose(path.random().next2D()) : std::nullopt;
+    volume::GivenDistance given{.t = lit ? lit->t : 0};
+    path.statistics().raysIntoLights += lit && lit->isMet;
+    // Behind a boundary, or a face that was touched, the ray's own numbers are used up.
+    const auto numbers = passed || isTouching ? DistanceNumbers::hashed : DistanceNumbers::stratified;
+    const volume::DistanceSample event =
+        co_await sampleDistance(path, state.ray, state.throughput, lit ? &given : nullptr, numbers);
+    if (!isBlack(event.emission)) {
+      // Lights are sampled up to the first surface, whatever it is.
+      const float weight = passed ? 1.0f : metEmissionWeight(scene, state.ray.direction, state.direction);
+      radiance.color += state.throughput * event.emission * weight;
+    }
+    if (lit) radiance.color += state.throughput * co_await lightAlongRay(path, state, lights, *lit, given.sample);
     state.throughput *= event.weight;
     if (event.event == DistanceEvent::absorbed) break;
 
     if (event.event == DistanceEvent::scattered) {
       radiance.alpha = 1;
       passed.reset();
-      goesOn = co_await scatterInMedium(path, state, radiance, event) && survivesRoulette(path, state);
+      goesOn = co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state);
     } else if (!hit) {
       const bool isHidden = scene.path.hideEmitters && state.length == 1;
       if (!isHidden) radiance.color += state.throughput * escapedLight(scene, state.ray.direction, state.direction);

@@ -14,18 +14,29 @@ class AreaLight final : public Light {
       : surface_(std::move(surface)), radiance_(radiance) {}
 
   std::optional<LightSample> sample(Point<World> from, const LightUniforms& u) const override {
-    const std::optional<SurfaceSample> s = surface_->sample(from, u);
-    if (!s) return {};
-    return LightSample{.direction = s->direction,
-                       .distance = s->distance,
-                       .value = radiance_,
-                       .pdf = s->pdf,
-                       .point = s->point,
-                       .normal = s->normal};
+    return toLight(surface_->sample(from, u));
   }
 
   float pdf(Point<World> from, const LightHit& hit) const override { return surface_->pdf(from, hit); }
   Color emitted(const LightHit& hit) const override { return dot(hit.direction, hit.normal) < 0 ? radiance_ : Color(); }
+
+  std::uint32_t partCount() const override { return surface_->partCount(); }
+  std::optional<LightBounds> partBounds(std::uint32_t part) const override {
+    const SurfacePart s = surface_->part(part);
+    LightBounds bounds;
+    bounds.box = s.box;
+    bounds.axis = s.normal;
+    bounds.cosSpread = s.isFlat ? 1.0f : -1.0f;
+    bounds.intensity = average(abs(radiance_)) * static_cast<float>(s.isFlat ? s.area : s.area / 4);
+    return bounds;
+  }
+  std::optional<LightSample> samplePart(std::uint32_t part, Point<World> from, const LightUniforms& u) const override {
+    return toLight(surface_->samplePart(part, from, u));
+  }
+  float pdfPart(std::uint32_t part, Point<World> from, const LightHit& hit) const override {
+    return surface_->pdfPart(part, from, hit);
+  }
+  std::uint32_t partAt(const LightHit& hit) const override { return partCount() > 1 ? hit.primitive : 0; }
 
   Color power(float) const override {
     return radiance_ * (std::numbers::pi_v<float> * static_cast<float>(surface_->area()));
@@ -36,10 +47,25 @@ class AreaLight final : public Light {
     const float away = squaredLength(surface_->centre() - at);
     return average(abs(radiance_)) * area / (away + area / (2 * std::numbers::pi_v<float>));
   }
+  std::optional<LightPlace> place() const override {
+    return LightPlace{.centre = surface_->centre(),
+                      .extent = surface_->extent(),
+                      .intensity = average(abs(radiance_)) * static_cast<float>(surface_->area() / 4)};
+  }
   bool isDelta() const override { return false; }
   bool isInfinite() const override { return false; }
 
  private:
+  std::optional<LightSample> toLight(const std::optional<SurfaceSample>& s) const {
+    if (!s) return {};
+    return LightSample{.direction = s->direction,
+                       .distance = s->distance,
+                       .value = radiance_,
+                       .pdf = s->pdf,
+                       .point = s->point,
+                       .normal = s->normal};
+  }
+
   std::shared_ptr<const LightSurface> surface_;
   Color radiance_;
 };

@@ -13,7 +13,8 @@ namespace {
 
 class PointLight final : public Light {
  public:
-  PointLight(Point<World> position, Color intensity) : position_(position), intensity_(intensity) {}
+  PointLight(Point<World> position, Color intensity, float radius)
+      : position_(position), intensity_(intensity), radius_(radius) {}
 
   std::optional<LightSample> sample(Point<World> from, const LightUniforms&) const override {
     const auto difference = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
@@ -36,17 +37,28 @@ class PointLight final : public Light {
   float importance(Point<World> at) const override {
     return average(abs(intensity_)) / std::max(squaredLength(position_ - at), std::numeric_limits<float>::min());
   }
+  std::optional<LightPlace> place() const override {
+    return LightPlace{
+        .centre = position_, .intensity = average(abs(intensity_)), .radius = radius_, .hasSingularity = true};
+  }
+  std::optional<LightBounds> partBounds(std::uint32_t) const override {
+    LightBounds bounds{.intensity = average(abs(intensity_))};
+    bounds.box.extend(position_);
+    return bounds;
+  }
   bool isDelta() const override { return true; }
   bool isInfinite() const override { return false; }
 
  private:
   Point<World> position_;
   Color intensity_;
+  float radius_;
 };
 
 std::unique_ptr<const Light> make(const LightArguments& arguments) {
   const auto p = arguments.get<Point<scene::Unplaced>>("position");
-  return std::make_unique<PointLight>(Point<World>{p.x, p.y, p.z}, arguments.get<Color>("intensity"));
+  return std::make_unique<PointLight>(Point<World>{p.x, p.y, p.z}, arguments.get<Color>("intensity"),
+                                      arguments.get<float>("radius"));
 }
 
 }  // namespace
@@ -63,7 +75,14 @@ void registerLight_point(Registry& registry) {
                                          .type = scene::ValueType::point,
                                          .unit = "scene units",
                                          .doc = "Where it is",
-                                         .defaultValue = Point<scene::Unplaced>()}},
+                                         .defaultValue = Point<scene::Unplaced>()},
+                                        {.name = "radius",
+                                         .type = scene::ValueType::number,
+                                         .unit = "scene units",
+                                         .doc = "The light is no nearer to any ray than this; 0: only rays that meet "
+                                                "it are kept off, by 1e-4 of their way through media",
+                                         .defaultValue = 0.0f,
+                                         .range = scene::Range::atLeast(0)}},
                          .make = make});
 }
 

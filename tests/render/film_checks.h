@@ -42,12 +42,12 @@ class BlockScores {
       total_.found[c] += block.found[c];
       total_.expected[c] += block.expected[c];
       total_.variance[c] += block.variance[c];
-      const double difference = block.found[c] - block.expected[c], rounding = 2e-5 * std::fabs(block.expected[c]);
-      // Below rounding there is no noise to speak of.
+      const double difference = block.found[c] - block.expected[c], rounding = 1e-4 * std::fabs(block.expected[c]);
+      // Below rounding, and what four points say of a pixel, there is no noise to speak of.
       if (block.variance[c] > rounding * rounding) {
         // Channels share their random numbers: each block gives the score of one.
         if (c == blocks_ % 3) scores_.push_back(difference / std::sqrt(block.variance[c]));
-      } else if (std::fabs(difference) > rounding) {
+      } else if (std::fabs(difference) > rounding + maximumZ * std::sqrt(block.variance[c])) {
         isExactlyWrong_ = true;
       }
     }
@@ -61,7 +61,7 @@ class BlockScores {
       if (error > resolution * std::fabs(total_.expected[c])) {
         return ::testing::AssertionFailure() << "the test resolves nothing: " << describe();
       }
-      if (std::fabs(difference) > maximumZ * error + 1e-5 * std::fabs(total_.expected[c])) {
+      if (std::fabs(difference) > maximumZ * error + 5e-5 * std::fabs(total_.expected[c])) {
         return ::testing::AssertionFailure() << "channel " << c << ", z " << difference / error << ": " << describe();
       }
     }

@@ -30,7 +30,7 @@ class Slab : public ::testing::TestWithParam<const char*> {
 /// The finer step makes the bias of marching vanish beside the resolution.
 INSTANTIATE_TEST_SUITE_P(
     Both, Slab,
-    ::testing::Values(R"(<string name="distance" value="marching"/><float name="step_size" value="0.06"/>)",
+    ::testing::Values(R"(<string name="distance" value="marching"/><float name="step_size" value="0.01"/>)",
                       R"(<string name="distance" value="null"/>)"),
     [](const auto& info) { return info.index == 0 ? "marching" : "nullScattering"; });
 

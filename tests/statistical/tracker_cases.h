@@ -11,6 +11,7 @@
 #include "core/volume/trackers/homogeneous.h"
 #include "core/volume/trackers/null_scattering.h"
 #include "core/volume/trackers/ray_marching.h"
+#include "core/volume/trackers/transmittance.h"
 #include "tests/statistical/statistics.h"
 #include "tests/support/density_evaluator.h"
 
@@ -186,9 +187,10 @@ DistanceSample sampleDistance(Tracker tracker, TrackerSetup& setup, const Tracke
     case Tracker::closedForm:
       return volume::sampleHomogeneous(setup.segment(), c.throughput, random);
     case Tracker::marching: {
+      volume::MarchingTable table;
       const auto step = static_cast<float>((c.t1 - c.t0) / c.steps);
       return setup.evaluator().finish(
-          volume::sampleByMarching(setup.evaluator(), setup.ray(), setup.segment(), step, c.throughput, random));
+          volume::sampleByMarching(setup.evaluator(), setup.ray(), setup.segment(), step, c.throughput, random, table));
     }
     case Tracker::nullScattering:
     case Tracker::relaxedNullScattering:

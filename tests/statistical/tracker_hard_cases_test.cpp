@@ -47,7 +47,7 @@ class HardCase {
         return volume::sampleHomogeneous(segment_, throughput, random);
       case Tracker::marching:
         return evaluator_.finish(
-            volume::sampleByMarching(evaluator_, ray_, segment_, media_[0].stepSize, throughput, random));
+            volume::sampleByMarching(evaluator_, ray_, segment_, media_[0].stepSize, throughput, random, table_));
       default:
         return evaluator_.finish(volume::sampleByNullScattering(evaluator_, ray_, segment_, throughput, random));
     }
@@ -71,6 +71,7 @@ class HardCase {
   std::vector<const Medium*> pointers_;
   volume::Segment segment_;
   Ray<World> ray_;
+  volume::MarchingTable table_;
 };
 
 void expectSound(const DistanceSample& s, const HardCase& c) {

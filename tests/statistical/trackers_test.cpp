@@ -65,13 +65,19 @@ bool isUnresolved(const RunningMean& sample, double expected) {
   return std::fabs(expected) > negligible && sample.standardError() > 0.9 * meanResolution * std::fabs(expected);
 }
 
-/// The mean meets its value up to the rounding of single numbers.
-bool meetsExactly(const RunningMean& sample, double expected) {
-  return std::fabs(sample.mean() - expected) <= 1e-6 * std::fabs(expected);
+/// What the cells of the cases leave of marching's bias: far below the resolution, but not below the noise where there
+/// is hardly any.
+constexpr double marchingBias = 2e-4;
+
+double biasOf(Tracker tracker) { return tracker == Tracker::marching ? marchingBias : 0; }
+
+/// The mean meets its value up to a known bias and the rounding of single numbers.
+bool meetsExactly(const RunningMean& sample, double expected, double bias = 0) {
+  return std::fabs(sample.mean() - expected) <= std::max(bias, 1e-6) * std::fabs(expected);
 }
 
-::testing::AssertionResult meets(const RunningMean& sample, double expected, const std::string& what) {
-  if (meetsExactly(sample, expected) && !isUnresolved(sample, expected)) return ::testing::AssertionSuccess();
+::testing::AssertionResult meets(const RunningMean& sample, double expected, const std::string& what, double bias = 0) {
+  if (meetsExactly(sample, expected, bias) && !isUnresolved(sample, expected)) return ::testing::AssertionSuccess();
   if (std::fabs(expected) > negligible) {
     ::testing::AssertionResult result = agrees(sample, expected);
     return result << " [" << what << "]";
@@ -84,7 +90,7 @@ bool meetsExactly(const RunningMean& sample, double expected) {
 /// Runs a sampler until all its means are resolved and tests each against quadrature, and the chi-squared of the places
 /// where light is scattered.
 ::testing::AssertionResult meansAreRight(const TrackerCase& c, const Reference& reference,
-                                         const DistanceSampler& sample) {
+                                         const DistanceSampler& sample, double bias = 0) {
   std::array<double, 3> passed{}, scattered{}, emission{};
   for (const int k : channels) {
     const auto i = static_cast<std::size_t>(k);
@@ -110,9 +116,9 @@ bool meetsExactly(const RunningMean& sample, double expected) {
   for (const int k : channels) {
     const auto i = static_cast<std::size_t>(k);
     const std::string suffix = " in channel " + std::to_string(k);
-    for (const auto& result : {meets(estimates.passed(k), passed[i], "transmittance" + suffix),
-                               meets(estimates.scattered(k), scattered[i], "scattering" + suffix),
-                               meets(estimates.emission(k), emission[i], "emission" + suffix)}) {
+    for (const auto& result : {meets(estimates.passed(k), passed[i], "transmittance" + suffix, bias),
+                               meets(estimates.scattered(k), scattered[i], "scattering" + suffix, bias),
+                               meets(estimates.emission(k), emission[i], "emission" + suffix, bias)}) {
       if (!result) return result;
     }
   }
@@ -121,7 +127,7 @@ bool meetsExactly(const RunningMean& sample, double expected) {
     double expected = 0;
     for (const int k : channels) expected += static_cast<double>(c.throughput[k]) * reference.scattered(k, b, bins) / 3;
     const RunningMean& found = estimates.binned(static_cast<std::size_t>(b));
-    if (expected < negligible || meetsExactly(found, expected)) continue;
+    if (expected < negligible || meetsExactly(found, expected, bias)) continue;
     statistic += std::pow(found.z(expected), 2);
     ++degrees;
   }
@@ -158,7 +164,8 @@ TEST_P(DistanceTrackers, MeansMeetQuadrature) {
   TrackerSetup setup(c);
   prepare(tracker(), setup, c);
   Uniforms random(seedOfTest());
-  EXPECT_TRUE(meansAreRight(c, Reference(c), [&] { return sampleDistance(tracker(), setup, c, random); }));
+  EXPECT_TRUE(
+      meansAreRight(c, Reference(c), [&] { return sampleDistance(tracker(), setup, c, random); }, biasOf(tracker())));
   EXPECT_EQ(setup.evaluator().trackerStatistics().boundViolations, 0u);
   EXPECT_EQ(setup.evaluator().trackerStatistics().stepLimits, 0u);
 }
@@ -186,21 +193,17 @@ INSTANTIATE_TEST_SUITE_P(All, DistanceTrackers, ::testing::ValuesIn(trackersAndC
 
 // Transmittance.
 
-enum class Transmittance : std::uint8_t { ratioTracking, relaxedRatioTracking, marching };
+using volume::TransmittanceMethod;
 
 template <class Random>
-Color estimateTransmittance(Transmittance estimator, TrackerSetup& setup, const TrackerCase& c, Random& random) {
-  const volume::MediumSpan span = setup.span(0);
-  if (estimator == Transmittance::marching) {
-    const auto step = static_cast<float>((c.t1 - c.t0) / c.steps);
-    return setup.evaluator().finish(volume::marchedTransmittance(setup.evaluator(), setup.ray(), span, step, random));
-  }
-  setup.medium(0).relaxesBound = estimator == Transmittance::relaxedRatioTracking;
-  return setup.evaluator().finish(volume::ratioTracking(setup.evaluator(), setup.ray(), span, random));
+Color estimateTransmittance(TransmittanceMethod method, TrackerSetup& setup, const TrackerCase& c, Random& random) {
+  setup.medium(0).stepSize = static_cast<float>((c.t1 - c.t0) / std::min(c.steps, 1000));
+  return setup.evaluator().finish(
+      volume::estimateTransmittance(method, setup.evaluator(), setup.ray(), setup.span(0), random));
 }
 
 ::testing::AssertionResult transmittanceIsRight(const TrackerCase& c, const Reference& reference,
-                                                const std::function<Color()>& estimate) {
+                                                const std::function<Color()>& estimate, double bias = 0) {
   std::array<RunningMean, 3> means;
   constexpr int round = 20000, maximumRounds = 100;
   for (int r = 0; r < maximumRounds; ++r) {
@@ -216,7 +219,7 @@ Color estimateTransmittance(Transmittance estimator, TrackerSetup& setup, const 
   }
   for (const int k : channels) {
     const auto result = meets(means[static_cast<std::size_t>(k)], reference.transmittance(c.t1, k),
-                              "transmittance in channel " + std::to_string(k));
+                              "transmittance in channel " + std::to_string(k), bias);
     if (!result) return result;
   }
   return ::testing::AssertionSuccess();
@@ -232,24 +235,56 @@ std::vector<TrackerCase> singleMediumCases() {
   return cases;
 }
 
-class TransmittanceEstimators : public ::testing::TestWithParam<TrackerCase> {
- protected:
-  void expectRight(Transmittance estimator) {
-    const TrackerCase& c = GetParam();
-    TrackerSetup setup(c);
-    Uniforms random(seedOfTest());
-    EXPECT_TRUE(
-        transmittanceIsRight(c, Reference(c), [&] { return estimateTransmittance(estimator, setup, c, random); }));
-    EXPECT_EQ(setup.evaluator().trackerStatistics().boundViolations, 0u);
+using MethodAndCase = std::tuple<TransmittanceMethod, TrackerCase>;
+
+std::vector<MethodAndCase> methodsAndCases() {
+  std::vector<MethodAndCase> all;
+  for (const TransmittanceMethod method : volume::allTransmittanceMethods) {
+    for (TrackerCase c : singleMediumCases()) {
+      if (method == TransmittanceMethod::closedForm) c.media[0].isConstant = findCase(c.name).isConstant();
+      if (method != TransmittanceMethod::closedForm || c.isConstant()) all.emplace_back(method, c);
+    }
   }
-};
+  return all;
+}
 
-TEST_P(TransmittanceEstimators, RatioTracking) { expectRight(Transmittance::ratioTracking); }
-TEST_P(TransmittanceEstimators, RelaxedRatioTracking) { expectRight(Transmittance::relaxedRatioTracking); }
-TEST_P(TransmittanceEstimators, Marching) { expectRight(Transmittance::marching); }
+const char* name(TransmittanceMethod method) {
+  constexpr std::array names{"closedForm", "marching", "ratioTracking", "twoCombs", "unbiasedMarching"};
+  static_assert(names.size() == volume::allTransmittanceMethods.size());
+  return names[static_cast<std::size_t>(method)];
+}
 
-INSTANTIATE_TEST_SUITE_P(All, TransmittanceEstimators, ::testing::ValuesIn(singleMediumCases()),
-                         [](const auto& info) { return info.param.name; });
+class TransmittanceEstimators : public ::testing::TestWithParam<MethodAndCase> {};
+
+TEST_P(TransmittanceEstimators, MeansMeetQuadrature) {
+  const auto& [method, c] = GetParam();
+  for (const bool relaxes : {false, true}) {
+    if (relaxes && method != TransmittanceMethod::ratioTracking) continue;
+    TrackerSetup setup(c);
+    setup.medium(0).relaxesBound = relaxes;
+    Uniforms random(seedOfTest(relaxes));
+    // The relaxed bound is that of the case; the cells are the estimator's own.
+    const auto estimate = [&] { return estimateTransmittance(method, setup, c, random); };
+    EXPECT_TRUE(transmittanceIsRight(c, Reference(c), estimate, volume::isUnbiased(method) ? 0 : marchingBias));
+    EXPECT_EQ(setup.evaluator().trackerStatistics().boundViolations, 0u);
+    EXPECT_EQ(setup.evaluator().trackerStatistics().stepLimits, 0u);
+  }
+}
+
+TEST_P(TransmittanceEstimators, SuspensionChangesNothing) {
+  const auto& [method, c] = GetParam();
+  TrackerSetup atOnce(c), suspending(c, 1, true);
+  Uniforms a(seedOfTest()), b(seedOfTest());
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(estimateTransmittance(method, atOnce, c, a), estimateTransmittance(method, suspending, c, b));
+  }
+  EXPECT_TRUE(suspending.evaluator().frames().isEmpty());
+  EXPECT_EQ(suspending.evaluator().frames().heapBlocks(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TransmittanceEstimators, ::testing::ValuesIn(methodsAndCases()), [](const auto& info) {
+  return std::string(name(std::get<0>(info.param))) + "_" + std::get<1>(info.param).name;
+});
 
 // Self-tests: each kind of fault, 2% large, is found by the test that is there for it.
 
@@ -351,12 +386,26 @@ TEST(TrackerSelfTest, BoundOfNullScattering) {
   }));
 }
 
-TEST(TrackerSelfTest, MarchedTransmittance) {
-  const TrackerCase c = findCase("linear");
-  TrackerSetup setup(c);
+TEST(TrackerSelfTest, EveryTransmittanceEstimator) {
+  for (const TransmittanceMethod method : volume::allTransmittanceMethods) {
+    TrackerCase c = findCase(method == TransmittanceMethod::closedForm ? "constant" : "linear");
+    TrackerSetup setup(c);
+    Uniforms random(seedOfTest());
+    const auto estimate = [&] { return estimateTransmittance(method, setup, c, random); };
+    EXPECT_TRUE(transmittanceIsRight(c, Reference(c), estimate, marchingBias)) << name(method);
+    EXPECT_FALSE(transmittanceIsRight(c, Reference(c), [&] { return estimate() * fault; })) << name(method);
+  }
+}
+
+/// The roulette's mean of any term is that of the series, order by order.
+TEST(SeriesRouletteTest, WeightsMakeUpForItsEnd) {
   Uniforms random(seedOfTest());
-  EXPECT_FALSE(transmittanceIsRight(
-      c, Reference(c), [&] { return estimateTransmittance(Transmittance::marching, setup, c, random) * fault; }));
+  std::array<RunningMean, 6> terms;
+  for (int i = 0; i < 4000000; ++i) {
+    const volume::SeriesRoulette roulette(static_cast<double>(random.next()));
+    for (int k = 0; k < 6; ++k) terms[static_cast<std::size_t>(k)].add(k <= roulette.order() ? roulette.weight(k) : 0);
+  }
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_TRUE(agrees(terms[k], 1, 0.01)) << k;
 }
 
 }  // namespace

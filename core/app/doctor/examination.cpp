@@ -181,6 +181,7 @@ Diagnostics examinePilot(const scene::SceneDescription& description, const rende
   found.append(reportInvalidCoefficients(scene));
   found.append(reportInvalidClosures(scene));
   found.append(reportTrackers(scene, s.trackers));
+  found.append(reportLights(s));
   found.append(reportDroppedSamples(*pilot.film));
   for (std::size_t i = 0; i < scene.media.size(); ++i) {
     if (scene.messages->invalid().contains(static_cast<std::uint32_t>(i))) {

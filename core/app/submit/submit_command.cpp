@@ -11,6 +11,7 @@
 #include "core/app/quantity.h"
 #include "core/app/scene_session.h"
 #include "core/app/submit/job_files.h"
+#include "core/scene/field.h"
 
 namespace aerosol::app {
 
@@ -65,10 +66,12 @@ class Submission {
     if (r.seed) words.insert(words.end(), {"--seed", std::to_string(*r.seed)});
     if (r.stepScale) words.insert(words.end(), {"--step-scale", fmt::format("{}", *r.stepScale)});
     if (r.threads > 0) words.insert(words.end(), {"--threads", std::to_string(r.threads)});
-    if (r.distance) {
-      static constexpr std::array names{"auto", "marching", "null"};
-      words.insert(words.end(), {"--distance", names[static_cast<std::size_t>(*r.distance)]});
-    }
+    const auto addWord = [&](const char* option, const auto& choice, const auto& known) {
+      if (choice) words.insert(words.end(), {option, known[static_cast<std::size_t>(*choice)]});
+    };
+    addWord("--distance", r.distance, scene::Words<scene::DistanceSampling>::words);
+    addWord("--transmittance", r.transmittance, scene::Words<scene::TransmittanceSampling>::words);
+    if (r.noEquiangular) words.push_back("--no-equiangular");
     return words;
   }
 

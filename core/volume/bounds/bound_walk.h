@@ -39,6 +39,11 @@ class BoundWalk {
   /// Coefficients where they are the same in the whole leaf; null where they vary.
   const Coefficients* known() const { return known_; }
 
+  /// What else is known of the leaf; null outside of a tree.
+  const BoundRanges* ranges() const {
+    return node_ && !isOutside_ ? &tree_->ranges[static_cast<std::size_t>(node_ - tree_->nodes.data())] : nullptr;
+  }
+
   /// Goes on to the leaf behind `end()`.
   void next() {
     if (isOutside_) {
@@ -103,6 +108,7 @@ class BoundWalk {
   void take(const BoundNode& leaf) {
     static constexpr Coefficients nothing{};
     leaf_ = leaf;
+    node_ = &leaf;
     known_ = leaf.kind() == LeafKind::uniform ? &tree_->uniform[leaf.index()]
              : leaf.kind() == LeafKind::empty ? &nothing
                                               : nullptr;
@@ -142,6 +148,7 @@ class BoundWalk {
 
   const BoundTree* tree_ = nullptr;
   BoundNode leaf_;
+  const BoundNode* node_ = nullptr;  ///< The same, where it stands in the tree.
   const Coefficients* known_ = nullptr;
   double start_ = 0;
   double end_ = std::numeric_limits<double>::infinity();

@@ -58,4 +58,17 @@ inline Color transmittedLength(Color sigma, float length) {
   return {transmittedLength(sigma.r, length), transmittedLength(sigma.g, length), transmittedLength(sigma.b, length)};
 }
 
+/// A weight below this share of the incoming throughput plays Russian roulette inside a tracker.
+inline constexpr float trackerRouletteThreshold = 0.05f;
+
+/// Russian roulette for a weight of which `size` is left. False where it ends; otherwise `weight` is raised to the
+/// threshold.
+template <UniformSource R>
+bool survivesTrackerRoulette(Color& weight, float size, R& random) {
+  if (size >= trackerRouletteThreshold) return true;
+  if (!(random.next() * trackerRouletteThreshold < size)) return false;
+  weight = weight * (trackerRouletteThreshold / size);
+  return true;
+}
+
 }  // namespace aerosol::volume

@@ -9,39 +9,71 @@
 
 namespace aerosol::volume {
 
-/// Samples a distance in a segment whose media are all constant. Emission is the exact integral over the segment, for
-/// any outcome. Three random numbers.
-template <UniformSource R>
-DistanceSample sampleHomogeneous(const Segment& segment, Color throughput, R& random) {
-  CoefficientSum sum;
-  for (const Medium* medium : segment.media) sum.add(*medium->constant);
-  sum.sigmaT = withoutNegligible(sum.sigmaT);
-  const auto length = static_cast<float>(segment.t1 - segment.t0);
+/// A segment whose media are all constant.
+class HomogeneousSegment {
+ public:
+  HomogeneousSegment(const Segment& segment, Color throughput)
+      : segment_(segment), length_(static_cast<float>(segment.t1 - segment.t0)), channels_(throughput) {
+    for (const Medium* medium : segment.media) sum_.add(*medium->constant);
+    sum_.sigmaT = withoutNegligible(sum_.sigmaT);
+  }
 
-  DistanceSample sample;
-  const Color depth = opticalDepth(sum.sigmaT, length);
-  if (!isBlack(sum.emission)) sample.emission = sum.emission * transmittedLength(sum.sigmaT, length);
-
-  const ChannelMixture channels(throughput);
-  float u = random.next();
-  const float chosen = sum.sigmaT[channels.choose(u)];
-  const float distance = chosen > 0 ? -std::log1p(-u) / chosen : std::numeric_limits<float>::infinity();
-  if (!(distance < length)) {
-    const Color transmittance = exp(depth * -1.0f);
-    const float passProbability = channels.mix(transmittance);
-    sample.logPdf = std::log(static_cast<double>(passProbability));
-    sample.weight = passProbability > 0 ? transmittance / passProbability : Color();
+  /// Samples a distance. Emission is the exact integral over the segment, for any outcome. Two random numbers,
+  /// or one.
+  template <UniformSource R>
+  DistanceSample sample(R& random) const {
+    DistanceSample sample;
+    if (!isBlack(sum_.emission)) sample.emission = sum_.emission * transmittedLength(sum_.sigmaT, length_);
+    float u = random.next();
+    const float chosen = sum_.sigmaT[channels_.choose(u)];
+    const float distance = chosen > 0 ? -std::log1p(-u) / chosen : std::numeric_limits<float>::infinity();
+    if (!(distance < length_)) {
+      const Color transmittance = exp(opticalDepth(sum_.sigmaT, length_) * -1.0f);
+      sample.choicePdf = static_cast<double>(channels_.mix(transmittance));
+      sample.logPdf = std::log(sample.choicePdf);
+      sample.weight = sample.choicePdf > 0 ? transmittance / static_cast<float>(sample.choicePdf) : Color();
+      return sample;
+    }
+    sample.t = std::min(segment_.t0 + static_cast<double>(distance), segment_.t1);
+    const Color transmittance = exp(sum_.sigmaT * -distance);
+    const float pdf = channels_.mix(sum_.sigmaT * transmittance);
+    sample.choicePdf = static_cast<double>(pdf);
+    sample.logPdf = std::log(sample.choicePdf);
+    chooseLobe(transmittance / pdf, random.next(), sample);
     return sample;
   }
-  sample.t = std::min(segment.t0 + static_cast<double>(distance), segment.t1);
-  const Color transmittance = exp(sum.sigmaT * -distance);
-  const float pdf = channels.mix(sum.sigmaT * transmittance);
-  sample.logPdf = std::log(static_cast<double>(pdf));
-  const auto forEach = [&](auto&& use) {
-    for (const Medium* medium : segment.media) use(*medium, *medium->constant);
-  };
-  chooseLobe(forEach, transmittance / pdf, random.next(), sample);
-  return sample;
+
+  /// What is found at a given distance, or on the way past it.
+  template <UniformSource R>
+  void find(GivenDistance& given, R& random) const {
+    if (!given.isIn(segment_)) {
+      const Color transmittance = exp(opticalDepth(sum_.sigmaT, length_) * -1.0f);
+      return given.pass(transmittance, static_cast<double>(channels_.mix(transmittance)));
+    }
+    const Color transmittance = exp(opticalDepth(sum_.sigmaT, static_cast<float>(given.t - segment_.t0)) * -1.0f);
+    given.sample.t = given.t;
+    given.sample.choicePdf *= static_cast<double>(channels_.mix(sum_.sigmaT * transmittance));
+    chooseLobe(given.sample.weight * transmittance, random.next(), given.sample);
+  }
+
+ private:
+  void chooseLobe(Color weight, float u, DistanceSample& sample) const {
+    const auto forEach = [&](auto&& use) {
+      for (const Medium* medium : segment_.media) use(*medium, *medium->constant);
+    };
+    volume::chooseLobe(forEach, weight, u, sample);
+  }
+
+  const Segment& segment_;
+  float length_;
+  ChannelMixture channels_;
+  CoefficientSum sum_;
+};
+
+/// Samples a distance in a segment whose media are all constant.
+template <UniformSource R>
+DistanceSample sampleHomogeneous(const Segment& segment, Color throughput, R& random) {
+  return HomogeneousSegment(segment, throughput).sample(random);
 }
 
 }  // namespace aerosol::volume

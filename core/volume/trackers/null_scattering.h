@@ -54,45 +54,50 @@ class LogProduct {
   double exponent_ = 0;
 };
 
-/// A weight below this share of the incoming throughput plays Russian roulette inside a tracker.
-inline constexpr float trackerRouletteThreshold = 0.05f;
-
-/// Russian roulette for a weight of which `size` is left. False where it ends; otherwise `weight` is raised to the
-/// threshold.
-template <UniformSource R>
-bool survivesTrackerRoulette(Color& weight, float size, R& random) {
-  if (size >= trackerRouletteThreshold) return true;
-  if (!(random.next() * trackerRouletteThreshold < size)) return false;
-  weight = weight * (trackerRouletteThreshold / size);
-  return true;
-}
-
 /// The way from one tentative collision to the next through the stretches of a segment.
 class TentativeFlight {
  public:
+  enum class Arrival : std::uint8_t { collision, stop, end };
+
   TentativeFlight(const Segment& segment, const Ray<World>& ray, FrameStack& memory)
       : walk_(segment, ray, memory), t_(segment.t0) {}
 
-  /// Flies on by an optical distance. False when the segment's end comes first. `emission` takes the light of known
-  /// media on the way, for unit weight: on each stretch its expected value over all flights, ∫ ε exp(-μ̄ s) ds.
-  bool advance(double opticalDistance, Color& emission) {
+  /// Starts the next flight over an optical distance.
+  void launch(double opticalDistance) {
+    left_ = opticalDistance;
+    isAtStart_ = true;
+  }
+
+  /// Flies on until the flight's length is used up, the segment ends, or `stop` is reached, from where the same flight
+  /// goes on with the next call. `emission` takes the light of known media on the way, for unit weight: on each stretch
+  /// its expected value over all flights, ∫ ε exp(-μ̄ s) ds.
+  Arrival advance(double stop, Color& emission) {
     for (;;) {
       const auto rate = static_cast<double>(walk_.rate());
       const double length = walk_.end() > t_ ? walk_.end() - t_ : 0;
-      if (!isBlack(walk_.known().emission)) {
+      if (isAtStart_ && !isBlack(walk_.known().emission)) {
         emission += walk_.known().emission * transmittedLength(walk_.rate(), static_cast<float>(length));
       }
+      isAtStart_ = false;
       const double depth = rate > 0 ? rate * length : 0;
-      if (opticalDistance < depth) {
-        t_ = std::min(t_ + opticalDistance / rate, walk_.end());
-        depth_ += opticalDistance;
-        return true;
+      const double collision = left_ < depth ? std::min(t_ + left_ / rate, walk_.end()) : walk_.end();
+      if (stop < collision || (stop <= collision && left_ < depth)) {
+        const double part = rate > 0 ? rate * std::max(stop - t_, 0.0) : 0;
+        left_ = std::max(left_ - part, 0.0);
+        depth_ += part;
+        t_ = std::max(t_, stop);
+        return Arrival::stop;
       }
-      opticalDistance -= depth;
+      t_ = collision;
+      if (left_ < depth) {
+        depth_ += left_;
+        return Arrival::collision;
+      }
+      left_ -= depth;
       depth_ += depth;
-      t_ = walk_.end();
-      if (walk_.isLast()) return false;
+      if (walk_.isLast()) return Arrival::end;
       walk_.next();
+      isAtStart_ = true;
     }
   }
 
@@ -104,69 +109,117 @@ class TentativeFlight {
  private:
   SegmentWalk walk_;
   double t_;
+  double left_ = 0;
   double depth_ = 0;
+  bool isAtStart_ = true;
 };
 
-/// Samples a distance in a segment. Every medium needs a tree, a bound or constant coefficients. The pdf is joint with
-/// the chain.
+/// What may happen at a place under the bound μ̄, for light of some weight.
+struct CollisionOdds {
+  Color sigmaN;  ///< μ̄ − σt.
+  float scatter = 0, pass = 0;
+
+  CollisionOdds(const CoefficientSum& sum, float bound, Color weight, const ChannelMixture& channels)
+      : sigmaN(Color(bound) - sum.sigmaT),
+        scatter(channels.mix(abs(weight * sum.sigmaS))),
+        pass(channels.mix(abs(weight * sigmaN))) {}
+  bool areNone() const { return !(scatter + pass > 0); }
+  /// Both depend on the proportions of the weight alone: roulette and the chances of earlier collisions cancel.
+  float scatterProbability() const { return scatter / (scatter + pass); }
+};
+
+/// Samples a distance in a segment, unless `tracks` is false. Every medium needs a tree, a bound or constant
+/// coefficients. The pdf is joint with the chain. What lies at a `given` distance is found on the same way: behind the
+/// real collision the chain of tentative ones goes on for it alone.
 template <Evaluator E, UniformSource R>
-Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segment segment, Color throughput,
-                                            R& random) {
+Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segment segment, Color throughput, R& random,
+                                            GivenDistance* given = nullptr, bool tracks = true) {
   DistanceSample sample;
   sample.pdfKind = PdfKind::joint;
   const ChannelMixture channels(throughput);
   TentativeFlight flight(segment, ray, evaluator.frames());
   LogProduct choices;  // Of the chain: μ̄ and the probability of what happened, for each collision.
   Color weight(1.0f);
-  for (int step = 0;; ++step) {
+  const auto isAsked = [&] { return given && given->concerns(segment); };
+  const auto absorb = [&] {
+    if (tracks) {
+      sample.event = DistanceEvent::absorbed;
+      sample.weight = Color();
+      tracks = false;
+    }
+  };
+  bool launches = true;
+  for (int step = 0; tracks || isAsked();) {
+    if (launches) flight.launch(static_cast<double>(freeFlight(random.next())));
     Color emission;
-    const bool collides = flight.advance(static_cast<double>(freeFlight(random.next())), emission);
-    sample.emission += weight * emission;
-    if (!collides || step == maximumSteps) {
-      evaluator.trackerStatistics().stepLimits += collides;
+    const double stop = isAsked() && given->isIn(segment) ? given->t : std::numeric_limits<double>::infinity();
+    TentativeFlight::Arrival arrival = flight.advance(stop, emission);
+    if (tracks) sample.emission += weight * emission;
+    if (arrival == TentativeFlight::Arrival::collision && step++ == maximumSteps) {
+      ++evaluator.trackerStatistics().stepLimits;
+      arrival = TentativeFlight::Arrival::end;
+    }
+    if (arrival == TentativeFlight::Arrival::end) {
+      if (!tracks) break;
       sample.logPdf = choices.logarithm() - flight.depth();
       sample.weight = weight;
-      co_return sample;
+      break;
     }
+    const bool isCollision = arrival == TentativeFlight::Arrival::collision;
+    launches = isCollision;
 
     const SegmentWalk& walk = flight.walk();
+    const float bound = walk.rate();
     walk.ask(evaluator, pointOn(ray, flight.t()));
     const std::span<const Coefficients> answers = co_await evaluator.answers();
     CoefficientSum sum = walk.known();
-    const float bound = walk.rate();
     walk.forAnswers(answers, [&](const Medium& medium, const BoundNode& leaf, const Coefficients& c) {
       countViolation(medium, leaf, c.sigmaT, evaluator.trackerStatistics());
       sum.sigmaT += c.sigmaT;
       sum.sigmaS += c.sigmaS;
-      sample.emission += weight * c.emission / bound;
+      if (tracks && isCollision) sample.emission += weight * c.emission / bound;
     });
 
-    const Color sigmaN = Color(bound) - sum.sigmaT;
-    const float scatter = channels.mix(abs(weight * sum.sigmaS));
-    const float pass = channels.mix(abs(weight * sigmaN));
-    if (!(scatter + pass > 0)) {
-      sample.event = DistanceEvent::absorbed;
-      sample.weight = Color();
-      co_return sample;
+    if (!isCollision) {
+      const CollisionOdds odds(sum, bound, given->sample.weight, channels);
+      given->sample.t = given->t;
+      given->sample.choicePdf *= odds.areNone() ? 0 : static_cast<double>(bound * odds.scatterProbability());
+      walk.chooseLobe(answers, given->sample.weight, random.next(), given->sample);
+      continue;
     }
-    const float scatterProbability = scatter / (scatter + pass);
+    if (isAsked()) {
+      const CollisionOdds odds(sum, bound, given->sample.weight, channels);
+      if (odds.areNone()) {
+        given->end();
+      } else {
+        given->pass(odds.sigmaN / bound, static_cast<double>(1 - odds.scatterProbability()));
+        Color& left = given->sample.weight;
+        if (!survivesTrackerRoulette(left, channels.mix(abs(left)), random)) given->end();
+      }
+    }
+    if (!tracks) continue;
+    const CollisionOdds odds(sum, bound, weight, channels);
+    if (odds.areNone()) {
+      absorb();
+      continue;
+    }
+    const float scatterProbability = odds.scatterProbability();
     if (random.next() < scatterProbability) {
       sample.t = flight.t();
       choices.multiply(bound * scatterProbability);
+      sample.choicePdf *= static_cast<double>(bound * scatterProbability);
       sample.logPdf = choices.logarithm() - flight.depth();
       walk.chooseLobe(answers, weight / (bound * scatterProbability), random.next(), sample);
-      co_return sample;
+      tracks = false;
+      continue;
     }
     const float nullProbability = 1 - scatterProbability;
     choices.multiply(bound * nullProbability);
-    weight *= sigmaN / (bound * nullProbability);
-
-    if (!survivesTrackerRoulette(weight, channels.mix(abs(weight)), random)) {
-      sample.event = DistanceEvent::absorbed;
-      sample.weight = Color();
-      co_return sample;
-    }
+    sample.choicePdf *= static_cast<double>(nullProbability);
+    weight *= odds.sigmaN / (bound * nullProbability);
+    if (!survivesTrackerRoulette(weight, channels.mix(abs(weight)), random)) absorb();
   }
+  co_return sample;
 }
 
 /// Transmittance of one medium over [t0, t1] by residual ratio tracking (Novák et al. 2014): in each leaf the least

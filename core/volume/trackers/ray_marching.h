@@ -2,8 +2,9 @@
 //
 // Kulla 2019 ("Path Tracing in Production – Volumes"): two random numbers a segment, one for the stratified offset of
 // the points in their cells, one for the number of cells. Biased, consistent as the step goes to zero. Points are asked
-// for in groups of growing size, front to back, and marching stops where the distance was found. Empty stretches and
-// those with the same coefficients all over cost no point.
+// for in groups of growing size, front to back. Cells go into a table, from which the distance is chosen; marching ends
+// where next to nothing is left of the light. Empty stretches and those with the same coefficients all over cost no
+// point: one step leads through them.
 #pragma once
 
 #include <array>
@@ -14,6 +15,7 @@
 #include "core/volume/segments.h"
 #include "core/volume/task.h"
 #include "core/volume/trackers/channels.h"
+#include "core/volume/trackers/marching_table.h"
 
 namespace aerosol::volume {
 
@@ -38,78 +40,59 @@ struct MarchingCells {
 inline constexpr int firstGroup = 8;     ///< Cells asked for at once, at first,
 inline constexpr int largestGroup = 64;  ///< and at most.
 
-/// A distance sampled front to back, cell by cell: channel c's distance is where its optical depth reaches -log(1 - ξ);
-/// the pdf is the mixture over the channels, piecewise exponential over the cells (marginal).
-class MarchedDistance {
+/// The outcomes of one marched segment: of the tracker's own distance, and of a given one.
+template <UniformSource R>
+class MarchedOutcome {
  public:
-  MarchedDistance(Color throughput, float u) : channels_(throughput) {
-    channel_ = channels_.choose(u);
-    targetDepth_ = -std::log1p(-static_cast<double>(u));
+  MarchedOutcome(MarchingTable& table, Color throughput, R& random, GivenDistance* given, bool tracks)
+      : channels_(throughput), table_(table), random_(random), given_(given), tracks_(tracks) {
+    table_.begin(channels_);
   }
 
-  /// Adds a cell. True when the distance lies in it: then `sample` has its place and pdf, and `weight` is T / pdf.
-  bool add(const CoefficientSum& cell, double t, double length, DistanceSample& sample, Color& weight) {
-    if (!isBlack(cell.emission)) {
-      // Expected value over the whole cell for a path that came as far as its beginning: ∫ T ε ds / P(beginning).
-      const Color begin = transmittanceAt(Color(), 0);
-      const float reach = channels_.mix(begin);
-      if (reach > 0) {
-        sample.emission += cell.emission * (begin / reach) * transmittedLength(cell.sigmaT, static_cast<float>(length));
-      }
-    }
-    const auto sigma = static_cast<double>(cell.sigmaT[channel_]);
-    double& depth = depth_[static_cast<std::size_t>(channel_)];
-    if (sigma > 0 && depth + sigma * length > targetDepth_) {
-      const double travelled = std::min((targetDepth_ - depth) / sigma, length);
-      const Color transmittance = transmittanceAt(cell.sigmaT, travelled);
-      const float pdf = channels_.mix(cell.sigmaT * transmittance);
-      sample.t = t + travelled;
-      sample.logPdf = std::log(static_cast<double>(pdf));
-      weight = pdf > std::numeric_limits<float>::min() ? transmittance / pdf : Color();
-      return true;
-    }
-    for (int c = 0; c < 3; ++c) {
-      if (cell.sigmaT[c] > 0) depth_[static_cast<std::size_t>(c)] += static_cast<double>(cell.sigmaT[c]) * length;
-    }
-    return false;
-  }
+  MarchingTable& table() { return table_; }
+  DistanceSample& sample() { return sample_; }
 
-  void pass(DistanceSample& sample) const {
-    const Color transmittance = transmittanceAt(Color(), 0);
-    const float passProbability = channels_.mix(transmittance);
-    sample.logPdf = std::log(static_cast<double>(passProbability));
-    sample.weight = passProbability > 0 ? transmittance / passProbability : Color();
+  /// Decides over the cells so far. False when the rest of the segment is of no interest to anyone.
+  bool close(const Segment& segment) {
+    if (table_.isEmpty()) return true;
+    if (given_ && given_->concerns(segment)) {
+      table_.find(*given_, random_);
+      Color& left = given_->sample.weight;
+      if (given_->isOpen() && !survivesTrackerRoulette(left, channels_.mix(abs(left)), random_)) given_->end();
+    }
+    if (tracks_) {
+      sample_.emission += sample_.weight * table_.emission();
+      table_.sample(static_cast<double>(random_.next()), random_, sample_);
+      tracks_ = sample_.event == DistanceEvent::passed;
+    }
+    table_.begin(channels_);
+    return tracks_ || (given_ && given_->concerns(segment));
   }
 
  private:
-  Color transmittanceAt(Color sigmaT, double distance) const {
-    return Color(static_cast<float>(std::exp(-depth_[0] - static_cast<double>(sigmaT.r) * distance)),
-                 static_cast<float>(std::exp(-depth_[1] - static_cast<double>(sigmaT.g) * distance)),
-                 static_cast<float>(std::exp(-depth_[2] - static_cast<double>(sigmaT.b) * distance)));
-  }
-
   ChannelMixture channels_;
-  int channel_ = 0;
-  double targetDepth_ = 0;
-  std::array<double, 3> depth_{};
+  MarchingTable& table_;
+  R& random_;
+  GivenDistance* given_;
+  bool tracks_;
+  DistanceSample sample_;
 };
 
-/// Samples a distance in a segment. A stretch on which all coefficients are known is one exact cell; everything between
-/// two such stretches is cut into equal cells.
+/// Samples a distance in a segment, unless `tracks` is false, and finds what lies at a `given` one in the same cells. A
+/// stretch on which all coefficients are known is one exact cell; everything between two such stretches is cut into
+/// equal cells. `table` is scratch.
 template <Evaluator E, UniformSource R>
 Task<DistanceSample> sampleByMarching(E& evaluator, Ray<World> ray, Segment segment, float stepSize, Color throughput,
-                                      R& random) {
+                                      R& random, MarchingTable& table, GivenDistance* given = nullptr,
+                                      bool tracks = true) {
   const float jitter = random.next(), offset = random.next();
-  MarchedDistance marched(throughput, random.next());
-  DistanceSample sample;
-  Color weight;
+  MarchedOutcome<R> outcome(table, throughput, random, given, tracks);
   SegmentWalk walk(segment, ray, evaluator.frames());
   for (double t = segment.t0;;) {
     if (walk.isKnown()) {
-      if (marched.add(walk.known(), t, walk.end() - t, sample, weight)) {
-        walk.chooseLobe({}, weight, random.next(), sample);
-        co_return sample;
-      }
+      table.add(walk.known(), t, walk.end() - t);
+      walk.forKnown([&](const Medium& medium, const Coefficients& known) { table.addLobes(medium, known); });
+      if (table.isFull() && !outcome.close(segment)) co_return outcome.sample();
       t = walk.end();
     } else {
       while (!walk.isLast() && !walk.isKnown()) walk.next();
@@ -131,18 +114,15 @@ Task<DistanceSample> sampleByMarching(E& evaluator, Ray<World> ray, Segment segm
         for (int i = 0; i < group; ++i) {
           const std::size_t first = next;
           CoefficientSum sum;
+          for (const Medium* medium : segment.media) sum.add(medium->constant ? *medium->constant : answers[next++]);
+          // The last cell ends where the stretch does, whatever rounding says.
+          const double begin = t + (cell + i) * cells.step;
+          table.add(sum, begin, cell + i + 1 == cells.count && std::isfinite(end) ? end - begin : cells.step);
+          next = first;
           for (const Medium* medium : segment.media) {
-            sum.add(medium->constant ? *medium->constant : answers[next++]);
+            table.addLobes(*medium, medium->constant ? *medium->constant : answers[next++]);
           }
-          if (!marched.add(sum, t + (cell + i) * cells.step, cells.step, sample, weight)) continue;
-          sample.t = std::min(sample.t, end);
-          const auto forEach = [&](auto&& use) {
-            std::size_t answer = first;
-            for (const Medium* medium : segment.media)
-              use(*medium, medium->constant ? *medium->constant : answers[answer++]);
-          };
-          chooseLobe(forEach, weight, random.next(), sample);
-          co_return sample;
+          if (table.isFull() && !outcome.close(segment)) co_return outcome.sample();
         }
       }
       t = end;
@@ -151,8 +131,8 @@ Task<DistanceSample> sampleByMarching(E& evaluator, Ray<World> ray, Segment segm
     if (walk.isLast()) break;
     walk.next();
   }
-  marched.pass(sample);
-  co_return sample;
+  outcome.close(segment);
+  co_return outcome.sample();
 }
 
 /// Optical depth from which no light is left: 1e-7 of it.

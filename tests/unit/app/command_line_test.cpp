@@ -45,6 +45,8 @@ TEST(CommandLine, LeavesToTheSceneWhatIsNotGiven) {
   EXPECT_FALSE(arguments.crop);
   EXPECT_FALSE(arguments.distance);
   EXPECT_FALSE(arguments.stepScale);
+  EXPECT_FALSE(arguments.transmittance);
+  EXPECT_FALSE(arguments.noEquiangular);
   EXPECT_EQ(arguments.threads, 0);
   EXPECT_FALSE(arguments.quiet);
   EXPECT_FALSE(arguments.statistics);
@@ -104,6 +106,10 @@ TEST(CommandLine, ReadsEveryRenderOption) {
   EXPECT_EQ(arguments.seed, 7);
   EXPECT_EQ(arguments.crop, (Crop{1, 2, 30, 40}));
   EXPECT_EQ(arguments.distance, scene::DistanceSampling::nullScattering);
+  const RenderArguments other = render({"--distance", "relaxed", "--transmittance", "two_combs", "--no-equiangular"});
+  EXPECT_EQ(other.distance, scene::DistanceSampling::relaxed);
+  EXPECT_EQ(other.transmittance, scene::TransmittanceSampling::twoCombs);
+  EXPECT_TRUE(other.noEquiangular);
   EXPECT_EQ(arguments.stepScale, 0.5f);
   EXPECT_EQ(arguments.threads, 3);
   EXPECT_EQ(arguments.kernels.width, 4);
@@ -144,9 +150,9 @@ TEST(CommandLine, KnowsHelpAndVersion) {
 
 TEST(CommandLine, HelpNamesEveryOptionOnce) {
   const std::string help = commandHelp("render");
-  for (const char* option :
-       {"--output", "--define", "--set", "--spp", "--threads", "--crop", "--seed", "--quiet", "--shader-path",
-        "--width", "--isa", "--stats", "--count-lanes", "--no-cache", "--distance", "--step-scale"}) {
+  for (const char* option : {"--output", "--define", "--set", "--spp", "--threads", "--crop", "--seed", "--quiet",
+                             "--shader-path", "--width", "--isa", "--stats", "--count-lanes", "--no-cache",
+                             "--distance", "--step-scale", "--transmittance", "--no-equiangular"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
   EXPECT_THAT(commandHelp(""), HasSubstr("Exit codes"));
@@ -201,6 +207,8 @@ TEST(CommandLine, RefusesWrongValues) {
   EXPECT_THAT(refused({"--width", "9"}), HasSubstr("--width: '9' is not one of 16, 8, 4, 1"));
   EXPECT_THAT(refused({"--isa", "sse"}), HasSubstr("--isa: 'sse' is not one of avx2, avx512"));
   EXPECT_THAT(refused({"--distance", "both"}), HasSubstr("--distance: 'both' is not one of auto, marching, null"));
+  EXPECT_THAT(refused({"--transmittance", "exact"}),
+              HasSubstr("--transmittance: 'exact' is not one of auto, marching, ratio, two_combs, unbiased"));
   EXPECT_THAT(refused({"--step-scale", "0"}), HasSubstr("--step-scale: must be greater than 0"));
   EXPECT_THAT(refused({"--step-scale", "nan"}), HasSubstr("--step-scale: 'nan' is not a number"));
   EXPECT_THAT(refused({"-D", "x"}), HasSubstr("-D: 'x' is not NAME=VALUE"));

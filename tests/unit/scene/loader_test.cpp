@@ -53,6 +53,7 @@ TEST(Loader, ReadsCameraAndFilm) {
       <integer name="max_depth" value="64"/> <integer name="rr_depth" value="32"/>
       <boolean name="hide_emitters" value="true"/>
       <string name="distance" value="null"/> <float name="step_scale" value="0.5"/>
+      <string name="transmittance" value="unbiased"/> <boolean name="equiangular" value="false"/>
     </integrator>
     <sensor type="thinlens" id="camera">
       <transform name="to_world"><lookat origin="0 1 -5" target="0 1 0" up="0 1 0"/></transform>
@@ -74,6 +75,8 @@ TEST(Loader, ReadsCameraAndFilm) {
   EXPECT_TRUE(scene.integrator.hideEmitters);
   EXPECT_EQ(scene.integrator.distance, DistanceSampling::nullScattering);
   EXPECT_EQ(scene.integrator.stepScale, 0.5f);
+  EXPECT_EQ(scene.integrator.transmittance, TransmittanceSampling::unbiased);
+  EXPECT_FALSE(scene.integrator.equiangular);
   EXPECT_EQ(scene.sensor.type, SensorType::thinlens);
   EXPECT_EQ(scene.sensor.origin.id, "camera");
   EXPECT_EQ(scene.sensor.toWorld(Point<Camera>(0, 0, 0)), Point<World>(0, 1, -5));

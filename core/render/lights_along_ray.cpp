@@ -1,0 +1,141 @@
+#include "core/render/lights_along_ray.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace aerosol::render {
+
+namespace {
+
+/// A point light that is met by a ray gets this part of the way through media as its radius.
+constexpr double chosenRadius = 1e-4;
+
+/// Places of a ray in float are no better than this.
+constexpr double rounding = 0.5 * static_cast<double>(std::numeric_limits<float>::epsilon());
+
+/// The falloff varies by this factor, or less: its samples are no better than others. By the second one or more: always
+/// taken. Between the two at random, so that images have no seam.
+constexpr double uselessVariation = 2, fullVariation = 8;
+
+}  // namespace
+
+LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, const volume::RayStretches& stretches) {
+  double along = 0, unit = 0, largest = 0;
+  std::array<double, 3> toLight;
+  for (int i = 0; i < 3; ++i) {
+    const auto o = static_cast<double>(ray.origin[i]), c = static_cast<double>(light.centre[i]);
+    const auto d = static_cast<double>(ray.direction[i]);
+    toLight[static_cast<std::size_t>(i)] = c - o;
+    along += (c - o) * d;
+    unit += d * d;
+    largest = std::max({largest, std::fabs(o), std::fabs(c)});
+  }
+  LightFromRay result;
+  result.projection = along / unit;
+  double squared = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double side =
+        toLight[static_cast<std::size_t>(i)] - result.projection * static_cast<double>(ray.direction[i]);
+    squared += side * side;
+  }
+  result.distance = std::sqrt(squared);
+  result.keptDistance = std::max(result.distance, static_cast<double>(std::max(light.extent, light.radius)));
+  if (!light.hasSingularity || light.radius > 0 || stretches.isEmpty()) return result;
+  const double tolerance = rounding * (largest + std::fabs(result.projection));
+  const bool isBeside =
+      stretches.begin() > result.projection + tolerance || stretches.end() < result.projection - tolerance;
+  if (isBeside || result.distance > tolerance) return result;
+  const double length = stretches.end() - stretches.begin();
+  result.isMet = true;
+  result.keptDistance = std::max(result.distance, chosenRadius * (std::isfinite(length) ? length : 1.0));
+  return result;
+}
+
+LightsAlongRay::Candidate LightsAlongRay::candidate(const LightPlace& light) const {
+  const LightFromRay seen = LightFromRay::of(light, ray_, stretches_);
+  Candidate result{.sampler = {stretches_, seen.projection, seen.keptDistance}, .isMet = seen.isMet};
+  result.share = static_cast<double>(light.intensity) * result.sampler.integral();
+  double near = std::numeric_limits<double>::infinity(), far = 0;
+  for (const volume::RayStretch& s : stretches_.all()) {
+    const double a = s.a - seen.projection, b = s.b - seen.projection;
+    near = std::min(near, a * b <= 0 ? 0 : std::min(std::fabs(a), std::fabs(b)));
+    far = std::max({far, std::fabs(a), std::fabs(b)});
+  }
+  const double d2 = seen.keptDistance * seen.keptDistance;
+  const double variation = (d2 + far * far) / (d2 + near * near);
+  result.chance = std::isfinite(result.share)
+                      ? std::clamp((variation - uselessVariation) / (fullVariation - uselessVariation), 0.0, 1.0)
+                      : 0;
+  if (std::isnan(variation)) result.chance = 0;
+  return result;
+}
+
+double LightsAlongRay::totalShare() const {
+  double total = 0;
+  for (const PlacedLight& light : lights_->placed()) total += candidate(light.place).share;
+  return total;
+}
+
+std::optional<LightsAlongRay::Choice> LightsAlongRay::choose(std::array<float, 2> u) const {
+  if (!chooses_ || stretches_.isEmpty() || lights_->placed().empty()) return {};
+  // What is left of the first number decides whether the choice is carried out.
+  if (!lights_->tree().isEmpty()) {
+    const auto entry = lights_->tree().choose(RayQuery{ray_, stretches_}, u[0]);
+    if (!entry) return {};
+    const LightId id = lights_->idOf(entry->entry);
+    const Candidate seen = candidate(*lights_->placeOf(id));
+    if (!(static_cast<double>(entry->rest) < seen.chance)) return {};
+    return place(id, seen, static_cast<double>(entry->probability), u[1]);
+  }
+  const double total = lights_->placed().size() > 1 ? totalShare() : 0;
+  auto rest = static_cast<double>(u[0]);
+  for (const PlacedLight& light : lights_->placed()) {
+    const Candidate seen = candidate(light.place);
+    const double probability = total > 0 ? seen.share / total : 1;
+    if (rest >= probability && &light != &lights_->placed().back()) {
+      rest -= probability;
+      continue;
+    }
+    if (!(rest < probability * seen.chance)) return {};
+    return place(LightId{light.index}, seen, probability, u[1]);
+  }
+  return {};
+}
+
+std::optional<LightsAlongRay::Choice> LightsAlongRay::place(LightId light, const Candidate& seen, double probability,
+                                                            float xi) {
+  const double t = seen.sampler.sample(static_cast<double>(xi));
+  const double density = probability * seen.chance * seen.sampler.pdf(t);
+  if (!(density > 0 && std::isfinite(density))) return {};
+  return Choice{light, t, density, seen.isMet};
+}
+
+double LightsAlongRay::probability(LightId light, const Candidate& seen) const {
+  if (light.part != LightId::whole) {
+    return static_cast<double>(lights_->tree().probability(RayQuery{ray_, stretches_}, lights_->entryOf(light)));
+  }
+  return lights_->placed().size() > 1 ? seen.share / totalShare() : 1;
+}
+
+double LightsAlongRay::density(LightId light, double t) const {
+  if (!chooses_ || stretches_.isEmpty()) return 0;
+  const std::optional<LightPlace> place = lights_->placeOf(light);
+  if (!place) return 0;
+  const Candidate seen = candidate(*place);
+  if (seen.chance == 0) return 0;
+  const double density = probability(light, seen) * seen.chance * seen.sampler.pdf(t);
+  return std::isfinite(density) ? density : 0;
+}
+
+float LightsAlongRay::correction(LightId light, double t, float distance) const {
+  if (!lights_) return 1;
+  const std::optional<LightPlace> place = lights_->placeOf(light);
+  if (!place || !place->hasSingularity) return 1;
+  const LightFromRay seen = LightFromRay::of(*place, ray_, stretches_);
+  const double x = t - seen.projection, squared = static_cast<double>(distance) * static_cast<double>(distance);
+  const double kept = seen.keptDistance * seen.keptDistance + x * x;
+  return kept > 0 ? static_cast<float>(squared / kept) : 1.0f;
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,49 @@
+// The table of transmittance estimators: everything that estimates the transmittance of one medium over a span.
+#pragma once
+
+#include <array>
+
+#include "core/volume/trackers/combs.h"
+#include "core/volume/trackers/null_scattering.h"
+#include "core/volume/trackers/ray_marching.h"
+
+namespace aerosol::volume {
+
+/// All of them. Tests run over this list.
+inline constexpr std::array allTransmittanceMethods{TransmittanceMethod::closedForm, TransmittanceMethod::marching,
+                                                    TransmittanceMethod::ratioTracking, TransmittanceMethod::twoCombs,
+                                                    TransmittanceMethod::unbiasedMarching};
+
+/// Is the mean exact, whatever the step? (With a bound that holds.)
+inline constexpr bool isUnbiased(TransmittanceMethod method) {
+  return method != TransmittanceMethod::marching && method != TransmittanceMethod::twoCombs;
+}
+
+/// exp(-σt length) of a constant medium.
+template <Evaluator E>
+Task<Color> closedTransmittance(E&, MediumSpan span) {
+  co_return exp(opticalDepth(span.medium->constant->sigmaT, static_cast<float>(span.t1 - span.t0)) * -1.0f);
+}
+
+/// Of `span.medium`, which has what the method needs: constant coefficients for the closed form, a bound for ratio
+/// tracking.
+template <Evaluator E, UniformSource R>
+Task<Color> estimateTransmittance(TransmittanceMethod method, E& evaluator, const Ray<World>& ray,
+                                  const MediumSpan& span, R& random) {
+  const float step = span.medium->stepSize;
+  switch (method) {
+    case TransmittanceMethod::marching:
+      return marchedTransmittance(evaluator, ray, span, step, random);
+    case TransmittanceMethod::ratioTracking:
+      return ratioTracking(evaluator, ray, span, random);
+    case TransmittanceMethod::twoCombs:
+      return twoCombTransmittance(evaluator, ray, span, step, random);
+    case TransmittanceMethod::unbiasedMarching:
+      return unbiasedMarchingTransmittance(evaluator, ray, span, step, random);
+    case TransmittanceMethod::closedForm:
+      break;
+  }
+  return closedTransmittance(evaluator, span);
+}
+
+}  // namespace aerosol::volume

@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "tests/render/film_checks.h"
+
+// Lights inside and beside of media: single scattering next to the lamp against quadrature, with distances chosen for
+// the light and without, and what that choice is worth.
+
+namespace aerosol::test {
+namespace {
+
+using std::numbers::pi;
+
+/// A lamp at `light`, a point or a small sphere of radius `lampRadius`, inside of the unit ball of fog, which scatters
+/// once and alike in all directions. Quadrature is in the angle under which the lamp sees the ray.
+class LampInFog {
+ public:
+  std::array<double, 3> light{0.1, 0.3, -0.2};
+  double sigma = 1.5, albedo = 0.8, intensity = 2;
+  double lampRadius = 0;  ///< With it `intensity` is a radiance.
+
+  Color operator()(const Ray<World>& ray) const {
+    const std::array<double, 2> inside = throughSphere(ray, 1);
+    double projection = 0, distance2 = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double way = light[i] - static_cast<double>(ray.origin[static_cast<int>(i)]);
+      projection += way * static_cast<double>(ray.direction[static_cast<int>(i)]);
+      distance2 += way * way;
+    }
+    distance2 -= projection * projection;
+    const double distance = std::sqrt(distance2);
+    const auto overAngle = [&](double angle) {
+      const double x = distance * std::tan(angle), d2 = distance2 + x * x;
+      const double through = std::exp(-sigma * (projection + x - inside[0]));
+      return through * arriving(std::sqrt(d2)) * d2 / distance;
+    };
+    const double value = sigma * albedo / (4 * pi) *
+                         integrate(overAngle, std::atan((inside[0] - projection) / distance),
+                                   std::atan((inside[1] - projection) / distance), 40);
+    return Color(static_cast<float>(value));
+  }
+
+  std::string xml(const std::string& sampling) const {
+    const std::string lamp =
+        lampRadius > 0 ? fmt::format(R"(<shape type="sphere"><point name="center" x="0.1" y="0.3" z="-0.2"/>
+                <float name="radius" value="{}"/><emitter type="area"><rgb name="radiance" value="{}"/></emitter></shape>)",
+                                     lampRadius, intensity)
+                       : fmt::format(R"(<emitter type="point"><point name="position" x="0.1" y="0.3" z="-0.2"/>
+                <rgb name="intensity" value="{}"/></emitter>)",
+                                     intensity);
+    const std::string medium =
+        sampling.empty()
+            ? R"(<medium type="homogeneous"><rgb name="sigma_t" value="1.5"/><rgb name="albedo" value="0.8"/></medium>)"
+            // The slope makes the shader one that varies; where it is seen it is next to nothing.
+            : fmt::format(R"(<medium type="ramp">{}<float name="at_zero" value="1.5"/>
+                             <float name="slope" value="1e-7"/><float name="most" value="2"/>
+                             <rgb name="albedo" value="0.8"/></medium>)",
+                          sampling);
+    return lamp + "<volume type=\"sphere\">" + medium + "</volume>";
+  }
+
+ private:
+  /// Irradiance from all sides at a distance, weakened on the way. The sphere: over the cone that it fills.
+  double arriving(double distance) const {
+    if (!(lampRadius > 0)) return intensity * std::exp(-sigma * distance) / (distance * distance);
+    const double lowest = std::sqrt(1 - lampRadius * lampRadius / (distance * distance));
+    const auto overCosine = [&](double mu) {
+      const double way =
+          distance * mu - std::sqrt(std::max(0.0, lampRadius * lampRadius - distance * distance * (1 - mu * mu)));
+      return 2 * pi * intensity * std::exp(-sigma * way);
+    };
+    return integrate(overCosine, lowest, 1, 4);
+  }
+};
+
+/// Past the lamp: the nearest rays are 0.02 away from it.
+const TestSensor besideTheLamp{.target = "0.1, 0.2, -0.2", .fov = 1.9, .width = 12, .height = 12};
+constexpr const char* once = R"(<integer name="max_depth" value="2"/>)";
+constexpr const char* onceWithout =
+    R"(<integer name="max_depth" value="2"/><boolean name="equiangular" value="false"/>)";
+
+/// What a medium asks for; nothing: a constant one. Each way to sample distances and each to estimate transmittance.
+struct Method {
+  const char* name;
+  const char* xml;
+  friend std::ostream& operator<<(std::ostream& out, const Method& m) { return out << m.name; }
+};
+constexpr std::array methods{
+    Method{"closedForm", ""},
+    Method{"nullScattering", R"(<string name="distance" value="null"/>)"},
+    Method{"marching", R"(<string name="distance" value="marching"/><float name="step_size" value="0.02"/>)"},
+    Method{"relaxedAndUnbiased", R"(<string name="distance" value="relaxed"/><float name="step_size" value="0.2"/>
+        <string name="transmittance" value="unbiased"/>)"},
+    Method{"marchingAndRatio", R"(<string name="distance" value="marching"/><float name="step_size" value="0.02"/>
+        <string name="transmittance" value="ratio"/>)"},
+    Method{"nullAndTwoCombs", R"(<string name="distance" value="null"/><float name="step_size" value="0.05"/>
+        <string name="transmittance" value="two_combs"/>)"}};
+
+class LightsInFog : public ::testing::TestWithParam<Method> {};
+
+TEST_P(LightsInFog, APointMeetsQuadrature) {
+  const LampInFog expected;
+  const TestScene scene = loadScene(once, besideTheLamp, expected.xml(GetParam().xml));
+  EXPECT_TRUE(shows(scene, *scene.render(256), expected));
+}
+
+TEST_P(LightsInFog, ASphereMeetsQuadrature) {
+  LampInFog expected;
+  expected.lampRadius = 0.01;
+  expected.intensity = 5000;
+  const TestScene scene = loadScene(once, besideTheLamp, expected.xml(GetParam().xml));
+  EXPECT_TRUE(shows(scene, *scene.render(256), expected));
+}
+
+/// The three ways to the same value come apart when one of them is off by 2%.
+TEST_P(LightsInFog, AFaultOfTwoPercentIsFound) {
+  LampInFog expected;
+  const TestScene scene = loadScene(once, besideTheLamp, expected.xml(GetParam().xml));
+  const auto film = scene.render(256);
+  expected.intensity *= 1.02;
+  EXPECT_FALSE(shows(scene, *film, expected));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LightsInFog, ::testing::ValuesIn(methods),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+double meanVariance(const render::Film& film) {
+  double sum = 0;
+  for (int y = film.area().y0; y < film.area().y1; ++y) {
+    for (int x = film.area().x0; x < film.area().x1; ++x) {
+      sum += std::pow(static_cast<double>(film.estimate(x, y).standardError[1]), 2);
+    }
+  }
+  return sum;
+}
+
+/// A lamp of a hundredth of the fog's size: over the whole ball of fog, and around the lamp.
+TEST(LightsInFogVariance, IsManyTimesLessWithDistancesChosenForTheLight) {
+  LampInFog lamp;
+  lamp.lampRadius = 0.01;
+  lamp.intensity = 5000;
+  const TestSensor wholeBall{.fov = 24, .width = 16, .height = 16};
+  const std::string content = lamp.xml("");
+  // Seen by the camera itself, the lamp's edge would be all that varies.
+  const std::string hidden = R"(<boolean name="hide_emitters" value="true"/>)";
+  const TestScene with = loadScene(once + hidden, wholeBall, content);
+  const TestScene without = loadScene(onceWithout + hidden, wholeBall, content);
+  const double ratio = meanVariance(*without.render(1024)) / meanVariance(*with.render(1024));
+  RecordProperty("ratio", fmt::format("{:.1f}", ratio));
+  EXPECT_GT(ratio, 10);
+  // Around the lamp, where most of the light is.
+  const TestScene near = loadScene(once + hidden, besideTheLamp, content);
+  const TestScene nearWithout = loadScene(onceWithout + hidden, besideTheLamp, content);
+  const double nearRatio = meanVariance(*nearWithout.render(1024)) / meanVariance(*near.render(1024));
+  RecordProperty("nearRatio", fmt::format("{:.1f}", nearRatio));
+  EXPECT_GT(nearRatio, 25);
+}
+
+/// The same light with the same colours whatever method serves: lamps of each shape, with and without the choice.
+TEST(LightsInFogShapes, BothWaysShowTheSame) {
+  const auto shape = [](const char* type, const char* place) {
+    return fmt::format(R"(<shape type="{}"><transform name="to_world">{}</transform>
+        <emitter type="area"><rgb name="radiance" value="6, 3, 2"/></emitter></shape>
+        <volume type="sphere"><medium type="homogeneous"><rgb name="sigma_t" value="0.6, 1, 1.4"/>
+        <rgb name="albedo" value="0.9, 0.6, 0.4"/><float name="g" value="0.5"/></medium></volume>)",
+                       type, place);
+  };
+  constexpr const char* inside = R"(<scale value="0.2"/><rotate x="1" y="1" angle="40"/><translate y="0.3"/>)";
+  const TestSensor view{.fov = 24, .width = 8, .height = 8};
+  for (const char* type : {"disk", "rectangle", "cube", "sphere"}) {
+    for (const char* depth : {R"(<integer name="max_depth" value="2"/>)", R"(<integer name="max_depth" value="5"/>)"}) {
+      const std::string off = std::string(depth) + R"(<boolean name="equiangular" value="false"/>)";
+      TestSensor other = view;
+      other.seed = 1;
+      const TestScene with = loadScene(depth, view, shape(type, inside));
+      const TestScene without = loadScene(off, other, shape(type, inside));
+      EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(3072), 0.04)) << type << ' ' << depth;
+    }
+  }
+}
+
+/// Several lights of different strength, two of them outside of the fog, one far away.
+TEST(LightsInFogMany, BothWaysShowTheSame) {
+  std::string content = R"(<volume type="sphere"><medium type="homogeneous"><rgb name="sigma_t" value="1"/>
+      <rgb name="albedo" value="0.9"/></medium></volume><emitter type="constant"><rgb name="radiance" value="0.2"/></emitter>)";
+  for (const auto& [place, intensity] : {std::pair{R"(x="0.4" y="0.5" z="0")", 1.0},
+                                         {R"(x="-0.5" y="-0.4" z="0.3")", 0.3},
+                                         {R"(x="0" y="1.3" z="-0.3")", 3.0},
+                                         {R"(x="40" y="0" z="0")", 2000.0}}) {
+    content +=
+        fmt::format(R"(<emitter type="point"><point name="position" {}/><rgb name="intensity" value="{}"/></emitter>)",
+                    place, intensity);
+  }
+  const TestSensor view{.target = "0, -0.2, 0", .fov = 6, .width = 8, .height = 8};
+  TestSensor other = view;
+  other.seed = 1;
+  const TestScene with = loadScene(once, view, content), without = loadScene(onceWithout, other, content);
+  EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(8192), 0.01));
+}
+
+}  // namespace
+}  // namespace aerosol::test
