@@ -134,7 +134,7 @@ TEST_F(Bake, TemporalAgainstStills) {
                                      path("ball.avt")));
   };
   int seed = 0;
-  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, 64, 32);
+  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, 24, 86);
   EXPECT_TRUE(showsTheMean(*load(0, 1, 0).render(2048), mean));
 }
 
