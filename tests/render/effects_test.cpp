@@ -53,7 +53,7 @@ const std::vector<EffectCase>& cases() {
       {"marching", volume(ramp("marching")), {"volumes", "heterogeneity", "ray-marching", "bound-trees"}},
       {"fire",
        volume(ramp("null", R"(<rgb name="glow" value="1"/>)")),
-       {"volumes", "heterogeneity", "null-scattering", "bound-trees", "volume-emission"}},
+       {"volumes", "heterogeneity", "null-scattering", "bound-trees", "volume-emission", "light-sampling"}},
       {"chromatic",
        volume(
            R"(<medium type="homogeneous"><rgb name="sigma_t" value="1, 2, 3"/><rgb name="albedo" value="0"/></medium>)"),

@@ -40,19 +40,20 @@ class MarchingTable {
     Cell& cell = cells_.emplace_back();
     cell.t = t;
     cell.length = length;
-    cell.sigmaT = sum.sigmaT;
-    cell.sigmaS = sum.sigmaS;
+    // What is no extinction scatters nothing either.
+    cell.sigmaT = withoutNegligible(sum.sigmaT);
+    for (int c = 0; c < 3; ++c) cell.sigmaS[c] = cell.sigmaT[c] > 0 ? sum.sigmaS[c] : 0.0f;
     cell.firstLobe = lobes_.size();
     for (std::size_t c = 0; c < 3; ++c) {
       const int channel = static_cast<int>(c);
-      const auto sigma = static_cast<double>(sum.sigmaT[channel]);
+      const auto sigma = static_cast<double>(cell.sigmaT[channel]);
       // Grey media need one exponential for the three.
-      const bool isRepeated = c > 0 && sum.sigmaT[channel] == sum.sigmaT[channel - 1];
+      const bool isRepeated = c > 0 && cell.sigmaT[channel] == cell.sigmaT[channel - 1];
       fraction_[c] = isRepeated ? fraction_[c - 1] : sigma > 0 ? -std::expm1(-sigma * length) : 0;
       const double through = sigma > 0 && sigma * length > 1e-12 ? fraction_[c] / sigma : length;
       cell.transmittance[c] = transmittance_[c];
-      if (sum.sigmaS[channel] != 0) {
-        const auto weight = static_cast<double>(std::fabs(channels_->probability[channel] * sum.sigmaS[channel]));
+      if (cell.sigmaS[channel] != 0) {
+        const auto weight = static_cast<double>(std::fabs(channels_->probability[channel] * cell.sigmaS[channel]));
         scattering_ += weight * transmittance_[c] * through;
       }
       if (sum.emission[channel] != 0) {
