@@ -209,7 +209,7 @@ TEST_F(TemporalFiles, DamagedFilesAreRefused) {
     std::string bad = good;
     const auto at =
         static_cast<std::size_t>(randomFloat(1, 0, i) * (i % 2 ? 400.0f : static_cast<float>(good.size() - 1)));
-    bad[at] = static_cast<char>(randomFloat(2, 0, i) * 255);
+    bad[at] = static_cast<char>(static_cast<unsigned char>(randomFloat(2, 0, i) * 255));
     reads(bad);
   }
   EXPECT_FALSE(readGrids((folder_ / "none.avt").string()));
