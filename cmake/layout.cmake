@@ -11,7 +11,7 @@ endforeach()
 
 # Everything that a program needs beside itself to run: the modules and the kernels' runtime library.
 get_property(modules GLOBAL PROPERTY AEROSOL_MODULES)
-add_custom_target(aerosol_support ALL DEPENDS runtime_bitcode ${modules})
+add_custom_target(aerosol_support ALL DEPENDS runtime_bitcode example_plugins ${modules})
 
 # The program under the names of OSL's tools, whose options it takes then. A folder of their own, so that they hide no
 # real OSL unless it is put on the path.

@@ -72,6 +72,7 @@ struct RenderArguments {
   bool explainCost = false;
   bool statistics = false;
   bool countLanes = false;
+  bool watch = false;  ///< Start over when a file of the scene changes, until the program is ended.
   KernelArguments kernels;
 };
 

@@ -115,6 +115,8 @@ void addRender(CLI::App& program, RenderArguments& render) {
              "Megabytes for decoded texels of all threads [1024]; the image\nis the same");
   addKernelOptions(app, render.kernels);
   app.add_flag("--quiet,-q", render.quiet, "No progress; warnings and shader messages stay");
+  app.add_flag("--watch", render.watch,
+               "Start the image again whenever the scene or a shader changes; errors leave the last good one");
   app.add_flag_callback(
          "--stats", [&render] { render.statistics = true; },
          "Print statistics at the end; --stats FILE.json writes them")

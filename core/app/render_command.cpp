@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <set>
+#include <thread>
 
 #include "core/app/cost_report.h"
+#include "core/app/file_watch.h"
 #include "core/app/film_file.h"
 #include "core/app/frames.h"
 #include "core/app/interrupt.h"
@@ -36,19 +40,73 @@ bool isExr(const std::string& name) { return name.size() > 4 && name.ends_with("
 class Render {
  public:
   Render(const RenderArguments& arguments, const Console& console, InterruptWatch& watch)
-      : arguments_(arguments), console_(console), watch_(watch), session_(arguments, console) {}
+      : Render(arguments, console, watch, watch.stopFlag()) {}
+  /// `stop` ends the render before its time.
+  Render(const RenderArguments& arguments, const Console& console, InterruptWatch& watch, const std::atomic<bool>& stop)
+      : arguments_(arguments), console_(console), watch_(watch), stop_(stop), session_(arguments, console) {}
 
   ExitCode run() {
+    if (const ExitCode code = makeReady(); code != ExitCode::success || isDone_) return code;
+    renderFilm();
+    return finish();
+  }
+
+  /// Reads all that the image is made of.
+  ExitCode makeReady() {
     outputs_ = outputNames(arguments_.outputs, arguments_.scene);
     if (!accept(checkOutputNames(outputs_)) || !accept(checkCombination())) return ExitCode::usage;
     if (!accept(checkOutputPlaces(outputs_)) || !prepare() || !chooseSamples()) return ExitCode::badInput;
-    if (arguments_.resume && isThere()) return ExitCode::success;
-    if (!accept(tryOutputs(outputs_, session_.description().film)) || !resume()) return ExitCode::badInput;
-    renderFilm();
+    isDone_ = arguments_.resume && isThere();
+    if (isDone_) return ExitCode::success;
+    const bool isReady = accept(tryOutputs(outputs_, session_.description().film)) && resume();
+    return isReady ? ExitCode::success : ExitCode::badInput;
+  }
+
+  bool isInterrupted() const { return report_.interrupted; }
+  std::set<std::string> files() const { return session_.files(); }
+
+  /// Writes the images and says what there is to say.
+  ExitCode finish() {
     const bool isWritten = write();
     tell();
     if (!writeStatistics() || !isWritten) return ExitCode::badInput;
     return report_.interrupted ? ExitCode::interrupted : ExitCode::success;
+  }
+
+  void renderFilm() {
+    const Goal goal{arguments_.targetError, timeLeft(), mostSamples()};
+    ProgressDisplay display(console_, goal.error);
+    render::RenderOptions options;
+    options.threads = session_.threadCount();
+    options.firstSample = static_cast<std::uint32_t>(range_.first);
+    options.endSample = static_cast<std::uint32_t>(range_.end);
+    options.profile = arguments_.explainCost || !arguments_.statisticsFile.empty();
+    if (hasAov(arguments_, Aov::cost)) cost_ = std::make_unique<render::CostMap>(film_->area());
+    options.cost = cost_.get();
+    const auto start = Clock::now();
+    if (arguments_.checkpointSeconds > 0) {
+      options.checkpointSeconds = arguments_.checkpointSeconds;
+      options.checkpoint = [&](std::string sums) { writeCheckpoint(std::move(sums), secondsSince(start)); };
+    }
+    options.stop = &stop_;
+    if (!arguments_.quiet) options.progress = [&](const render::Progress& progress) { display.show(progress); };
+    watch_.startRendering();
+    const render::Integrator& integrator = session_.integrator();
+    if (goal) {
+      const GoalReport reached = renderTowards(goal, session_.scene(), integrator, *film_, std::move(options));
+      report_ = reached.render;
+      range_.end = static_cast<int>(reached.samples);
+      session_.description().sampler.sampleCount = job_.sampleCount = range_.end;
+      display.finish();
+      tellGoal(goal, reached);
+    } else {
+      report_ = render::render(session_.scene(), integrator, *film_, options);
+      display.finish();
+    }
+    // A signal that came when all was done interrupted nothing.
+    const auto samples = static_cast<std::uint64_t>(range_.end - range_.first) * film_->area().pixelCount();
+    if (film_->sampleCount() + film_->droppedCount() == samples) report_.interrupted = false;
+    keepInterrupted();
   }
 
  private:
@@ -166,42 +224,6 @@ class Render {
     return true;
   }
 
-  void renderFilm() {
-    const Goal goal{arguments_.targetError, timeLeft(), mostSamples()};
-    ProgressDisplay display(console_, goal.error);
-    render::RenderOptions options;
-    options.threads = session_.threadCount();
-    options.firstSample = static_cast<std::uint32_t>(range_.first);
-    options.endSample = static_cast<std::uint32_t>(range_.end);
-    options.profile = arguments_.explainCost || !arguments_.statisticsFile.empty();
-    if (hasAov(arguments_, Aov::cost)) cost_ = std::make_unique<render::CostMap>(film_->area());
-    options.cost = cost_.get();
-    const auto start = Clock::now();
-    if (arguments_.checkpointSeconds > 0) {
-      options.checkpointSeconds = arguments_.checkpointSeconds;
-      options.checkpoint = [&](std::string sums) { writeCheckpoint(std::move(sums), secondsSince(start)); };
-    }
-    options.stop = &watch_.stopFlag();
-    if (!arguments_.quiet) options.progress = [&](const render::Progress& progress) { display.show(progress); };
-    watch_.startRendering();
-    const render::Integrator& integrator = session_.integrator();
-    if (goal) {
-      const GoalReport reached = renderTowards(goal, session_.scene(), integrator, *film_, std::move(options));
-      report_ = reached.render;
-      range_.end = static_cast<int>(reached.samples);
-      session_.description().sampler.sampleCount = job_.sampleCount = range_.end;
-      display.finish();
-      tellGoal(goal, reached);
-    } else {
-      report_ = render::render(session_.scene(), integrator, *film_, options);
-      display.finish();
-    }
-    // A signal that came when all was done interrupted nothing.
-    const auto samples = static_cast<std::uint64_t>(range_.end - range_.first) * film_->area().pixelCount();
-    if (film_->sampleCount() + film_->droppedCount() == samples) report_.interrupted = false;
-    keepInterrupted();
-  }
-
   /// Of the time limit, which preparation is part of; at least what one sample may take.
   double timeLeft() const {
     if (!(arguments_.timeLimit > 0)) return 0;
@@ -317,6 +339,7 @@ class Render {
   const RenderArguments& arguments_;
   const Console& console_;
   InterruptWatch& watch_;
+  const std::atomic<bool>& stop_;
   SceneSession session_;
   std::vector<std::string> outputs_;
   std::unique_ptr<render::Film> film_;
@@ -325,6 +348,7 @@ class Render {
   Job job_;
   SampleRange range_;
   double secondsBefore_ = 0;    ///< Of the render that is carried on.
+  bool isDone_ = false;         ///< By an earlier run.
   bool hasCheckpoint_ = false;  ///< The file is there and of this render.
   bool warnedOfCheckpoint_ = false;
 };
@@ -349,10 +373,80 @@ ExitCode renderFrames(const RenderArguments& arguments, const Console& console, 
   return ExitCode::success;
 }
 
+/// Renders, and starts over when a file changes. The new scene is made ready while the old one is still rendered, so
+/// that one with errors disturbs nothing.
+class WatchedRender {
+ public:
+  WatchedRender(const RenderArguments& arguments, const Console& console, InterruptWatch& signals)
+      : arguments_(arguments), console_(console), signals_(signals) {}
+
+  ExitCode run() {
+    auto current = makeRender();
+    ExitCode code = current->makeReady();
+    if (code == ExitCode::usage) return code;
+    bool isGood = code == ExitCode::success;
+    signals_.startRendering();
+    watch(*current);
+    for (;;) {
+      stop_ = false;
+      next_.reset();
+      std::jthread watcher([this] { await(); });
+      if (isGood) {
+        current->renderFilm();
+        // What a change has cut off is not worth keeping.
+        if (!current->isInterrupted() || signals_.stopFlag()) code = current->finish();
+      }
+      if (!stop_) console_.note("watching for changes; Ctrl-C ends\n");
+      watcher.join();
+      if (!next_) return code;
+      current = std::move(next_);
+      isGood = true;
+      watch(*current);
+    }
+  }
+
+ private:
+  std::unique_ptr<Render> makeRender() { return std::make_unique<Render>(arguments_, console_, signals_, stop_); }
+
+  void watch(const Render& render) {
+    known_ = render.files();
+    files_.watch(known_);
+  }
+
+  /// Returns when another scene is ready, or a signal has come; `stop_` is set then.
+  void await() {
+    using namespace std::chrono_literals;
+    while (!signals_.stopFlag()) {
+      std::this_thread::sleep_for(100ms);
+      if (!files_.hasChanged()) continue;
+      std::this_thread::sleep_for(50ms);  // Editors write in several steps.
+      files_.hasChanged();
+      auto render = makeRender();
+      if (render->makeReady() == ExitCode::success) {
+        next_ = std::move(render);
+        break;
+      }
+      // Files that are new in it may hold the mistake.
+      known_.merge(render->files());
+      files_.watch(known_);
+    }
+    stop_ = true;
+  }
+
+  const RenderArguments& arguments_;
+  const Console& console_;
+  InterruptWatch& signals_;
+  std::atomic<bool> stop_{false};
+  FileWatch files_;
+  std::set<std::string> known_;
+  std::unique_ptr<Render> next_;
+};
+
 }  // namespace
 
 ExitCode renderCommand(const RenderArguments& arguments, const Console& console) {
   InterruptWatch watch(console);
+  if (arguments.watch) return WatchedRender(arguments, console, watch).run();
   return arguments.frames.empty() ? Render(arguments, console, watch).run() : renderFrames(arguments, console, watch);
 }
 

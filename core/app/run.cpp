@@ -14,6 +14,7 @@
 #include "core/app/submit/submit_command.h"
 #include "core/app/tools/tool.h"
 #include "core/app/version_command.h"
+#include "core/shading/native_plugins.h"
 
 namespace aerosol::app {
 
@@ -38,6 +39,13 @@ struct Runner {
 
 ExitCode run(const std::string& program, const std::vector<std::string>& arguments, const Console& console) {
   const char* const shaderPath = std::getenv("AEROSOL_SHADER_PATH");
+  // What the program says to itself: see shading::NativePlugins.
+  if (arguments.size() == 2 && arguments[0] == "--check-plugin") {
+    const std::string problem = shading::tryPlugin(arguments[1]);
+    console.print(problem);
+    std::fflush(console.out);
+    return problem.empty() ? ExitCode::success : ExitCode::badInput;
+  }
   const auto tool = toolOfProgram(program);
   std::variant<Arguments, Reply> parsed = Arguments(ToolArguments{});
   if (tool) {

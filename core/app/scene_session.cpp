@@ -8,6 +8,7 @@
 
 #include "core/app/plan/effects.h"
 #include "core/app/registered_types.h"
+#include "core/lang/native.h"
 #include "core/scene/loader.h"
 #include "plugins/registration.h"
 
@@ -81,6 +82,7 @@ std::unique_ptr<const render::PreparedScene> SceneSession::prepareVariant(const 
   render::PrepareOptions options;
   options.shaderPath = arguments_.kernels.shaderPath;
   options.shaderLibrary = toolchain_->installation.shaders;
+  options.plugins = toolchain_->installation.plugins;
   options.compiler = toolchain_->compiler;
   options.cache = toolchain_->cache;
   options.target = toolchain_->target;
@@ -96,6 +98,20 @@ std::unique_ptr<const render::PreparedScene> SceneSession::prepareVariant(const 
     return nullptr;
   }
   return std::move(*prepared);
+}
+
+std::set<std::string> SceneSession::files() const {
+  std::set<std::string> names = {arguments_.scene.string()};
+  if (description_) {
+    for (const auto& [name, text] : description_->sources->all()) names.insert(name);
+  }
+  if (!scene_) return names;
+  for (const shading::Family& family : scene_->shading.families()) {
+    for (const SourceLocation& place : family.program->locations) names.insert(place.file);
+    for (const lang::FunctionUse& function : family.program->functions)
+      if (const auto native = lang::parseNativeSymbol(function.symbol)) names.insert(native->file.string());
+  }
+  return names;
 }
 
 int SceneSession::threadCount() const {

@@ -4,6 +4,8 @@
 
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "core/app/arguments.h"
 #include "core/app/console.h"
@@ -25,6 +27,9 @@ class SceneSession {
   bool prepare();
   /// The same scene with another description; null after errors. Warnings are those of `prepare` and not repeated.
   std::unique_ptr<const render::PreparedScene> prepareVariant(const scene::SceneDescription& description);
+
+  /// The files that the scene was read from, as far as reading came: its own, shaders with what they include, plugins.
+  std::set<std::string> files() const;
 
   const render::Registry& registry() const { return registry_; }
   scene::SceneDescription& description() { return *description_; }

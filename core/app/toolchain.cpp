@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/shading/native_plugins.h"
+
 namespace aerosol::app {
 
 std::shared_ptr<jit::ObjectCache> openCache(const KernelArguments& arguments, Diagnostics& warnings) {
@@ -30,11 +32,21 @@ Result<Toolchain> openToolchain(const KernelArguments& arguments, Diagnostics& w
   return Toolchain{std::move(*installation), std::move(cache), std::move(*compiler), *target};
 }
 
+std::shared_ptr<lang::NativeSource> openPlugins(const std::vector<std::filesystem::path>& folders) {
+  std::vector<std::filesystem::path> all;
+  for (const std::filesystem::path& folder : folders) {
+    for (const char* kind : {"", "volume", "surface", "light", "texture"})
+      all.push_back((folder.empty() ? std::filesystem::path(".") : folder) / kind);
+  }
+  return std::make_shared<shading::NativePlugins>(std::move(all));
+}
+
 shading::ShaderLibrary openShaderLibrary(const KernelArguments& arguments, const Installation& installation,
                                          std::shared_ptr<jit::ObjectCache> cache, std::vector<std::string> defines,
                                          std::vector<std::string> undefines) {
   std::vector<std::filesystem::path> path = arguments.shaderPath;
   path.push_back(installation.shaders);
+  path.push_back(installation.plugins);
   lang::CompileOptions options;
   options.includePaths = path;
   options.defines = std::move(defines);

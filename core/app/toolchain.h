@@ -29,6 +29,9 @@ Result<Toolchain> openToolchain(const KernelArguments& arguments, Diagnostics& w
 /// The cache that the arguments ask for; null with a warning when it cannot be used.
 std::shared_ptr<jit::ObjectCache> openCache(const KernelArguments& arguments, Diagnostics& warnings);
 
+/// Native plugins in these folders, an empty one being the current one, and their subfolders of kinds of shaders.
+std::shared_ptr<lang::NativeSource> openPlugins(const std::vector<std::filesystem::path>& folders);
+
 /// Shaders outside a scene: those of the arguments' path and of the installation.
 shading::ShaderLibrary openShaderLibrary(const KernelArguments& arguments, const Installation& installation,
                                          std::shared_ptr<jit::ObjectCache> cache, std::vector<std::string> defines = {},

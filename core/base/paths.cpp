@@ -14,6 +14,7 @@ Installation installationOf(const std::filesystem::path& executable) {
   installation.prefix = resolved(executable).parent_path().parent_path();
   installation.modules = installation.prefix / "lib" / "aerosol";
   installation.runtime = installation.modules / "runtime";
+  installation.plugins = installation.modules / "plugins";
   installation.shaders = resolved(installation.prefix / "share" / "aerosol" / "shaders");
   installation.scenes = resolved(installation.prefix / "share" / "aerosol" / "scenes");
   return installation;

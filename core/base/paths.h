@@ -13,6 +13,7 @@ struct Installation {
   std::filesystem::path prefix;
   std::filesystem::path modules;  ///< Shared objects opened at first use: lib/aerosol.
   std::filesystem::path runtime;  ///< Bitcode of the kernels' runtime library: lib/aerosol/runtime.
+  std::filesystem::path plugins;  ///< Native plugins that come with the program: lib/aerosol/plugins.
   std::filesystem::path shaders;  ///< `stdosl.h` and the shader library: share/aerosol/shaders.
   std::filesystem::path scenes;   ///< share/aerosol/scenes.
 };

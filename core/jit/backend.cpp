@@ -15,16 +15,22 @@
 #include <llvm/Transforms/Scalar/ADCE.h>
 #include <llvm/Transforms/Scalar/EarlyCSE.h>
 #include <llvm/Transforms/Scalar/GVN.h>
+#include <llvm/Transforms/Scalar/IndVarSimplify.h>
 #include <llvm/Transforms/Scalar/LICM.h>
 #include <llvm/Transforms/Scalar/LoopPassManager.h>
+#include <llvm/Transforms/Scalar/LoopRotation.h>
+#include <llvm/Transforms/Scalar/LoopUnrollPass.h>
 #include <llvm/Transforms/Scalar/SROA.h>
 #include <llvm/Transforms/Scalar/SimplifyCFG.h>
 #include <llvm/Transforms/Utils/Cloning.h>
+#include <llvm/Transforms/Vectorize/LoopVectorize.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
 #include "core/jit/kernel_builder.h"
+#include "core/jit/native_code.h"
 
 namespace aerosol::jit {
 
@@ -156,7 +162,29 @@ void inlineRuntime(llvm::Function& kernel) {
   }
 }
 
-void optimise(llvm::Module& module, llvm::TargetMachine& machine) {
+/// Loops over the lanes of a plugin's function become vector code: their length is a constant by now.
+void addLaneLoops(llvm::FunctionPassManager& passes) {
+  llvm::LoopPassManager rotate;
+  rotate.addPass(llvm::LoopRotatePass());
+  passes.addPass(llvm::createFunctionToLoopPassAdaptor(std::move(rotate)));
+  passes.addPass(
+      llvm::SimplifyCFGPass(llvm::SimplifyCFGOptions().hoistCommonInsts(true).convertSwitchToLookupTable(true)));
+  passes.addPass(llvm::InstCombinePass());
+  llvm::LoopPassManager simplify;
+  simplify.addPass(llvm::LICMPass(llvm::LICMOptions()));
+  simplify.addPass(llvm::IndVarSimplifyPass());
+  passes.addPass(llvm::createFunctionToLoopPassAdaptor(std::move(simplify), true));
+  passes.addPass(llvm::LoopVectorizePass());
+  passes.addPass(llvm::InstCombinePass());
+  passes.addPass(llvm::SimplifyCFGPass());
+  passes.addPass(
+      llvm::LoopUnrollPass(llvm::LoopUnrollOptions(2, false).setPartial(false).setRuntime(false).setPeeling(false)));
+  passes.addPass(llvm::SROAPass(llvm::SROAOptions::ModifyCFG));
+  passes.addPass(llvm::EarlyCSEPass(true));
+  passes.addPass(llvm::SimplifyCFGPass());
+}
+
+void optimise(llvm::Module& module, llvm::TargetMachine& machine, bool hasNatives) {
   llvm::LoopAnalysisManager loops;
   llvm::FunctionAnalysisManager functions;
   llvm::CGSCCAnalysisManager components;
@@ -186,6 +214,7 @@ void optimise(llvm::Module& module, llvm::TargetMachine& machine) {
   after.addPass(llvm::EarlyCSEPass(true));
   after.addPass(llvm::SimplifyCFGPass());
   after.addPass(llvm::InstCombinePass());
+  if (hasNatives) addLaneLoops(after);
   llvm::LoopPassManager hoist;
   hoist.addPass(llvm::LICMPass(llvm::LICMOptions()));
   after.addPass(llvm::createFunctionToLoopPassAdaptor(std::move(hoist), true));
@@ -228,6 +257,12 @@ Result<GeneratedCode> generateCode(const KernelRequest& request, std::string_vie
   if (!interface) return interface.errors();
   result.times.lowering = watch.lap();
 
+  const bool hasNatives = std::ranges::any_of(
+      request.program->functions, [](const lang::FunctionUse& use) { return use.native && use.native->bitcode; });
+  if (hasNatives) {
+    if (const std::string problem = linkNatives(module, *request.program); !problem.empty())
+      return internalError(problem);
+  }
   if (const std::string problem = linkRuntime(module, std::move(*library), request.target); !problem.empty()) {
     return internalError(problem);
   }
@@ -236,7 +271,7 @@ Result<GeneratedCode> generateCode(const KernelRequest& request, std::string_vie
   llvm::raw_string_ostream brokenStream(broken);
   if (llvm::verifyModule(module, &brokenStream)) return internalError(brokenStream.str());
 
-  optimise(module, *machine);
+  optimise(module, *machine, hasNatives);
   result.times.optimisation = watch.lap();
   result.interface = std::move(*interface);
   readInterface(*module.getFunction("kernel"), result.interface);

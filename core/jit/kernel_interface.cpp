@@ -129,8 +129,8 @@ void transfer(Stream& stream, Interface& interface) {
   Transfer<Stream> fields(stream);
   fields(interface.domain, interface.width, interface.globalsRead, interface.readsInstances,
          interface.readsInstanceData, interface.asksHostForSpaces, interface.instanceStride, interface.fields,
-         interface.outputs, interface.sites, interface.hostSites, interface.dependsOnHost, interface.strings,
-         interface.closureSites, interface.staticCost);
+         interface.outputs, interface.sites, interface.hostSites, interface.dependsOnHost, interface.hasDeclaredRanges,
+         interface.strings, interface.closureSites, interface.staticCost);
 }
 
 }  // namespace

@@ -80,6 +80,7 @@ struct KernelInterface {
   std::vector<MessageSite> sites;
   std::vector<lang::HostSite> hostSites;         ///< Of the calls of host functions.
   bool dependsOnHost = false;                    ///< Some result may depend on what the host knows of a point.
+  bool hasDeclaredRanges = false;                ///< Of boxes: bounds rest on what plugins say, not on proofs alone.
   std::map<std::uint64_t, std::string> strings;  ///< Text of every string constant, by hash.
   std::vector<lang::ClosureSite> closureSites;
   /// Instructions that one point runs, estimated from the program text alone. Loops of unknown length count 8 times.

@@ -134,6 +134,17 @@ class Lowering {
   std::uint32_t addHostSite(const lang::Instruction& instruction);
   llvm::Value* hostArgument(const lang::Instruction& instruction, std::size_t index, bool varies);
   void widenResults(const lang::Instruction& instruction);
+  void callHostService(const lang::Instruction& instruction, llvm::Value* values, llvm::Value* high, bool varies);
+
+  // lowering_native.cpp
+  void emitNativeCall(const lang::Instruction& instruction, bool varies);
+  void emitRangeCall(const lang::Instruction& instruction);
+  bool hasRange(const lang::Instruction& instruction) const;
+  llvm::Value* lanesOfCall(bool varies);
+  llvm::Value* pointerTable(llvm::ArrayRef<llvm::Value*> pointers);
+  llvm::Value* endsMemory(const Value& value, unsigned end);
+  llvm::Value* unknownLanes(const Value& value);
+  Value loadEnds(llvm::ArrayRef<Kind> kinds, llvm::Value* low, llvm::Value* high, llvm::Value* unknown);
 
   // lowering_spaces.cpp
   void emitMatrixOfSpaces(const lang::Instruction& instruction);

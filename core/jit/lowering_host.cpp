@@ -2,6 +2,7 @@
 #include <cstddef>
 
 #include "core/jit/lowering.h"
+#include "core/lang/native.h"
 
 namespace aerosol::jit {
 
@@ -41,11 +42,33 @@ llvm::Value* Lowering::hostArgument(const Instruction& instruction, std::size_t 
   return argumentMemory(value, varies);
 }
 
+/// Calls AerosolHostServices::call. `high`: of a call over boxes; otherwise null.
+void Lowering::callHostService(const Instruction& instruction, llvm::Value* values, llvm::Value* high, bool varies) {
+  llvm::Type* const pointer = e_.ir.getPtrTy();
+  llvm::Value* const call =
+      e_.slot(llvm::ArrayType::get(e_.ir.getInt8Ty(), sizeof(AerosolHostCall)), "host.call", alignof(AerosolHostCall));
+  const auto set = [&](std::size_t offset, llvm::Value* value) {
+    e_.ir.CreateStore(value, e_.pointerAt(call, offset));
+  };
+  set(offsetof(AerosolHostCall, arguments), frame_.arguments());
+  set(offsetof(AerosolHostCall, values), values);
+  set(offsetof(AerosolHostCall, high), high ? high : e_.zero(pointer));
+  set(offsetof(AerosolHostCall, site), e_.ir.getInt32(addHostSite(instruction)));
+  set(offsetof(AerosolHostCall, points), frame_.list());
+  set(offsetof(AerosolHostCall, first), frame_.base());
+  set(offsetof(AerosolHostCall, lanes), e_.ir.getInt32(varies ? e_.width() : 1));
+  set(offsetof(AerosolHostCall, active), e_.bits(mask().may));
+  auto* const type = llvm::FunctionType::get(e_.ir.getVoidTy(), {pointer, pointer}, false);
+  llvm::Value* const service = hostService(e_, frame_.context(), offsetof(AerosolHostServices, call));
+  e_.ir.CreateCall(type, service, {frame_.context(), call})->setDoesNotThrow();
+}
+
 void Lowering::emitHostCall(const Instruction& instruction) {
-  if (domain_.splitsMasks()) return widenResults(instruction);
+  if (domain_.splitsMasks()) return hasRange(instruction) ? emitRangeCall(instruction) : widenResults(instruction);
   const lang::FunctionUse& function = program_.functions[instruction.function];
   bool varies = !function.dependsOnArgumentsAlone();
   for (const lang::VariableId argument : instruction.arguments) varies = varies || variables_.isVarying(argument);
+  if (function.native && function.native->bitcode) return emitNativeCall(instruction, varies);
 
   llvm::SmallVector<llvm::Value*, 8> values;
   const bool hasResult = instruction.result != lang::noVariable;
@@ -56,28 +79,7 @@ void Lowering::emitHostCall(const Instruction& instruction) {
     values.push_back(argumentMemory(zeros, varies));
   }
   for (std::size_t i = 0; i < instruction.arguments.size(); ++i) values.push_back(hostArgument(instruction, i, varies));
-
-  llvm::Type* const pointer = e_.ir.getPtrTy();
-  llvm::Value* const table =
-      e_.slot(llvm::ArrayType::get(pointer, std::max<std::size_t>(values.size(), 1)), "host.values");
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    e_.ir.CreateStore(values[i], e_.pointerAt(table, i * sizeof(void*)));
-  }
-  llvm::Value* const call =
-      e_.slot(llvm::ArrayType::get(e_.ir.getInt8Ty(), sizeof(AerosolHostCall)), "host.call", alignof(AerosolHostCall));
-  const auto set = [&](std::size_t offset, llvm::Value* value) {
-    e_.ir.CreateStore(value, e_.pointerAt(call, offset));
-  };
-  set(offsetof(AerosolHostCall, arguments), frame_.arguments());
-  set(offsetof(AerosolHostCall, values), table);
-  set(offsetof(AerosolHostCall, site), e_.ir.getInt32(addHostSite(instruction)));
-  set(offsetof(AerosolHostCall, points), frame_.list());
-  set(offsetof(AerosolHostCall, first), frame_.base());
-  set(offsetof(AerosolHostCall, lanes), e_.ir.getInt32(varies ? e_.width() : 1));
-  set(offsetof(AerosolHostCall, active), e_.bits(mask().may));
-  auto* const type = llvm::FunctionType::get(e_.ir.getVoidTy(), {pointer, pointer}, false);
-  llvm::Value* const service = hostService(e_, frame_.context(), offsetof(AerosolHostServices, call));
-  e_.ir.CreateCall(type, service, {frame_.context(), call})->setDoesNotThrow();
+  callHostService(instruction, pointerTable(values), nullptr, varies);
 
   if (hasResult) write(instruction, instruction.result, loadValue(values[0], resultKinds, varies));
   for (std::size_t i = 0; i < instruction.arguments.size(); ++i) {

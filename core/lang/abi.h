@@ -14,7 +14,7 @@
 extern "C" {
 #endif
 
-enum { AEROSOL_ABI_VERSION = 4, AEROSOL_MAXIMUM_WIDTH = 16 };
+enum { AEROSOL_ABI_VERSION = 5, AEROSOL_MAXIMUM_WIDTH = 16 };
 
 /* Named transforms that a kernel may ask for, besides those by name through the host. Per instance, row-major 3x4
  * (rows of a map on column vectors), floats. "common" is world space. */
@@ -54,6 +54,10 @@ typedef struct AerosolHostCall {
    * element), each component `lanes` int32, float or (strings) uint64 in a row. What the function writes holds the old
    * values before the call; elements of lanes that are not active may not be written. */
   void* const* values;
+  /* Null: a call for points. Otherwise a call for boxes of points: `values` are the least ones and these the greatest,
+   * in rows of as many lanes. The function writes both ends of its results over all points of a box; NaN: nothing
+   * known. */
+  void* const* high;
   const int32_t* points; /* null: the lanes' points are those from `first` on; otherwise points[first + lane] */
   uint32_t site; /* index into the kernel's table of host sites: the function's name, types, constants, position */
   uint32_t first;

@@ -7,6 +7,7 @@
 #include "core/lang/check.h"
 #include "core/lang/compiled_file.h"
 #include "core/lang/lower.h"
+#include "core/lang/native.h"
 #include "core/lang/parser.h"
 
 namespace aerosol::lang {
@@ -21,17 +22,20 @@ Result<CompileOptions> withLibrary(CompileOptions options) {
   return options;
 }
 
-Result<CompiledSource> compile(Result<ParsedSource> parsed) {
+Result<CompiledSource> compile(Result<ParsedSource> parsed, NativeSource* natives) {
   if (!parsed) return parsed.errors();
   Diagnostics diagnostics = std::move(parsed->warnings);
   const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics);
   if (diagnostics.hasErrors()) return diagnostics;
-  auto shader = lower(*checked, *parsed->sourceMap, diagnostics);
+  auto shader = lower(*checked, *parsed->sourceMap, diagnostics, natives);
   if (!shader) return diagnostics;
   CompiledSource result;
   result.program = std::make_shared<const Program>(slice(shader->program, shader->program.outputs, Messages::keep));
   result.layer = std::make_shared<const Program>(std::move(shader->layer));
   result.dependencies = std::move(parsed->dependencies);
+  for (const FunctionUse& function : result.layer->functions)
+    if (const auto name = parseNativeSymbol(function.symbol))
+      result.dependencies.push_back({name->file, name->contentHash});
   result.warnings = std::move(diagnostics);
   return result;
 }
@@ -47,13 +51,13 @@ std::shared_ptr<const Program> programOf(const Program& layer) {
 Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();
-  return compile(parseShaderFile(path, *complete));
+  return compile(parseShaderFile(path, *complete), options.natives.get());
 }
 
 Result<CompiledSource> compileString(const std::string& text, const std::string& name, const CompileOptions& options) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();
-  return compile(parseString(text, name, *complete));
+  return compile(parseString(text, name, *complete), options.natives.get());
 }
 
 }  // namespace aerosol::lang

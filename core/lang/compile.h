@@ -11,11 +11,14 @@
 
 namespace aerosol::lang {
 
+class NativeSource;
+
 struct CompileOptions {
   std::vector<std::filesystem::path> includePaths;  ///< Searched for `#include`, after the including file's folder.
   std::vector<std::string> defines;                 ///< NAME or NAME=VALUE.
   std::vector<std::string> undefines;               ///< Macros that are removed before `defines` count.
   std::filesystem::path standardLibrary;            ///< stdosl.h; empty: the installed one.
+  std::shared_ptr<NativeSource> natives;            ///< Plugins; null: there are none.
 };
 
 /// A file that the compilation looked at, or looked for in vain: what a cache entry depends on.

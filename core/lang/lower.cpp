@@ -17,9 +17,10 @@ bool givesTruth(Op op) {
 
 }  // namespace
 
-std::optional<LoweredShader> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics) {
+std::optional<LoweredShader> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics,
+                                   NativeSource* natives) {
   const int errors = diagnostics.errorCount();
-  Lowerer lowerer(source, sourceMap, diagnostics);
+  Lowerer lowerer(source, sourceMap, diagnostics, natives);
   LoweredShader shader;
   shader.layer = lowerer.run();
   if (diagnostics.errorCount() == errors) {

@@ -11,6 +11,8 @@
 
 namespace aerosol::lang {
 
+class NativeSource;
+
 /// Bounds on one program; beyond them there is an error at the place that passed them.
 inline constexpr std::size_t maximumInstructions = 200000;  ///< With all functions inlined.
 inline constexpr std::size_t maximumFrameValues = 1 << 18;  ///< Ints, floats and strings of all variables together.
@@ -24,7 +26,9 @@ struct LoweredShader {
 
 /// Lowers the shader of a source that was checked without errors: user functions inlined, structures flattened.
 /// Nothing when `diagnostics` got errors.
-std::optional<LoweredShader> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics);
+/// `natives`: where functions of plugins come from; null: from nowhere.
+std::optional<LoweredShader> lower(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics,
+                                   NativeSource* natives = nullptr);
 
 /// Says that something is wrong at `Program::locations[location]`.
 using ReportAt = std::function<void(std::uint32_t location, std::string message)>;

@@ -145,6 +145,7 @@ Value Lowerer::inlineFunction(const FunctionDeclaration& declared, std::vector<V
       std::any_of(frames_.begin(), frames_.end(), [&](const Frame& frame) { return frame.function == &function; });
   if (failed_ || !countWork(position)) return zeroValue(function.type);
   if (!isActive && isDeclaredClosure(function)) return makeDeclaredClosure(function, arguments, position);
+  if (!isActive && isNative(function)) return callNative(function, arguments, position);
   if (isActive) {
     stop(position, "function '" + function.name + "' calls itself: shaders cannot recurse");
   } else if (!function.body) {

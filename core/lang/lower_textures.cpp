@@ -6,6 +6,23 @@
 
 namespace aerosol::lang {
 
+namespace {
+
+/// Whether the lookup is one at a point, whatever its footprint is: option "width" is the constant 0.
+bool isUnfiltered(const Call& called) {
+  for (std::size_t i = called.builtin->parameters.size(); i + 1 < called.arguments.size(); i += 2) {
+    const auto* name = std::get_if<StringLiteral>(&called.arguments[i]->node);
+    if (!name || name->value != "width") continue;
+    const auto& value = called.arguments[i + 1]->node;
+    const auto* number = std::get_if<FloatLiteral>(&value);
+    const auto* whole = std::get_if<IntLiteral>(&value);
+    if ((number && number->value == 0) || (whole && whole->value == 0)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 Value Lowerer::lowerTexture(const Expression& expression, const Call& called) {
   const BuiltinOverload& overload = *called.builtin;
   const TextureFunction& function = *findTextureFunction(overload.row->name);
@@ -20,7 +37,9 @@ Value Lowerer::lowerTexture(const Expression& expression, const Call& called) {
   // Derivatives that are not given are those of the coordinates.
   static constexpr std::array<const char*, 3> axes = {"dx", "dy", "dz"};
   for (std::size_t axis = 0; axis < function.derivatives && ids.size() < function.argumentCount(); ++axis) {
-    for (std::size_t i = 1; i <= function.coordinates; ++i) ids.push_back(call(axes[axis], function.type, {ids[i]}));
+    for (std::size_t i = 1; i <= function.coordinates; ++i)
+      ids.push_back(isUnfiltered(called) ? constant(zeroConstant(function.type))
+                                         : call(axes[axis], function.type, {ids[i]}));
   }
   for (std::size_t i = given; i + 1 < called.arguments.size(); i += 2) {
     const std::string& name = std::get<StringLiteral>(called.arguments[i]->node).value;

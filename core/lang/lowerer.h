@@ -49,8 +49,8 @@ enum class Tail : std::uint8_t { none, function, loop };
 
 class Lowerer {
  public:
-  Lowerer(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics)
-      : source_(source), sourceMap_(sourceMap), diagnostics_(diagnostics) {}
+  Lowerer(CheckedSource& source, const SourceMap& sourceMap, Diagnostics& diagnostics, NativeSource* natives)
+      : source_(source), sourceMap_(sourceMap), diagnostics_(diagnostics), natives_(natives) {}
 
   Program run();
   Position positionOf(std::uint32_t location) const;
@@ -205,6 +205,9 @@ class Lowerer {
   Value lowerIsConstant(const Expression& expression, const Call& called);
   void bindUserData(const Parameter& parameter);
 
+  // lower_native.cpp
+  Value callNative(const FunctionDeclaration& function, const std::vector<Value>& arguments, Position position);
+
   // lower_textures.cpp
   Value lowerTexture(const Expression& expression, const Call& called);
 
@@ -221,6 +224,7 @@ class Lowerer {
   CheckedSource& source_;
   const SourceMap& sourceMap_;
   Diagnostics& diagnostics_;
+  NativeSource* natives_;
   Program program_;
   Code* code_ = nullptr;
   std::unordered_map<const VariableDeclaration*, Value> bindings_;
@@ -242,6 +246,8 @@ class Lowerer {
   bool failed_ = false;
 };
 
+/// Whether a function without a body is one of a native plugin (see native.h).
+bool isNative(const FunctionDeclaration& function);
 /// Whether evaluating the expression changes a variable or leaves a message.
 bool hasEffects(const Expression& expression);
 /// Whether evaluating it although its value is not used costs less than a branch, and leaves no report.

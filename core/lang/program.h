@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,6 +16,8 @@
 #include "core/lang/type.h"
 
 namespace aerosol::lang {
+
+struct NativeFunction;
 
 /// Index into `Program::variables`.
 using VariableId = std::uint32_t;
@@ -176,6 +179,7 @@ struct FunctionUse {
   std::uint32_t outputs = 0;  ///< Bit i set: arguments[i] is written. (The result is separate.)
   bool host = false;          ///< Answered by the host (AerosolHostServices::call), not by the run-time library.
   std::uint8_t traits = 0;    ///< HostTrait bits.
+  std::shared_ptr<const NativeFunction> native = nullptr;  ///< Of a plugin; not kept in caches (see native.h).
 
   bool dependsOnArgumentsAlone() const { return pure && (traits & (dependsOnPoint | readsMessages)) == 0; }
 };

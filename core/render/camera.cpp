@@ -57,7 +57,10 @@ shading::CameraProjection Camera::projection() const {
     result.toScreen[2] = {0, 0, perUnit, -perUnit * nearClip_};
     result.toScreen[3] = {0, 0, 0, 1};
   }
-  result.screenToNdc = {{{0.5, 0, 0, 0.5}, {0, -0.5 * aspect, 0, 0.5}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+  result.screenToNdc = {{{0.5, 0, 0, 0.5 - shiftX_ / width_},
+                         {0, -0.5 * aspect, 0, 0.5 - shiftY_ / height_},
+                         {0, 0, 1, 0},
+                         {0, 0, 0, 1}}};
   result.width = static_cast<int>(width_);
   result.height = static_cast<int>(height_);
   return result;

@@ -230,6 +230,8 @@ Box<Object> MediumRanges::everywhereOnItsWay(const Box<Object>& box) const {
   return joined;
 }
 
+bool MediumRanges::areDeclared() const { return canProve() && family_.bounds->interface().hasDeclaredRanges; }
+
 bool MediumRanges::mayLeaveOut() const {
   // Neither messages nor what the host keeps (points written to a cloud) may depend on where bounds are known.
   const auto changesWorld = [](const lang::FunctionUse& function) { return function.host && !function.pure; };
@@ -288,7 +290,11 @@ void MediumRanges::prove(std::span<const Box<Object>> boxes, std::span<volume::B
     moveBoxes(context);
     context.bounds.resize(end - first);
     context.boxes.evaluate(context.host, family_, shader_.index, context.volumeBoxes, context.bounds);
-    for (std::size_t i = first; i < end; ++i) knowledge[i] = knowledgeFrom(context.bounds[i - first]);
+    for (std::size_t i = first; i < end; ++i) {
+      knowledge[i] = knowledgeFrom(context.bounds[i - first]);
+      // Only what is proven may be left out.
+      if (areDeclared()) knowledge[i].isEmpty = knowledge[i].isUniform = false;
+    }
   });
 }
 

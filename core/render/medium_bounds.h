@@ -23,6 +23,8 @@ class MediumRanges final : public volume::BoundSource {
 
   /// Whether anything can be proven: there is a bounds kernel.
   bool canProve() const;
+  /// Does what is proven rest on what plugins say of themselves?
+  bool areDeclared() const;
   /// Whether points may go without their shader being run: it leaves nothing but its results.
   bool mayLeaveOut() const;
   /// The coefficients of all points of the box, where they are surely the same.

@@ -95,10 +95,11 @@ std::optional<volume::Coefficients> constantOf(const PreparedScene& scene, shadi
   return ranges.uniformOver(volume::withRounding(*place.domain, instance.objectToWorld));
 }
 
-/// The lower of what is proven and what is declared.
-std::optional<volume::ExtinctionBound> lowestBound(std::optional<float> proven, std::optional<float> declared) {
+/// The lower of what is proven and what is declared. `isDeclared`: the proof rests on what plugins say.
+std::optional<volume::ExtinctionBound> lowestBound(std::optional<float> proven, std::optional<float> declared,
+                                                   bool isDeclared) {
   if (proven && (!declared || *proven <= *declared))
-    return volume::ExtinctionBound{*proven, volume::Provenance::proven};
+    return volume::ExtinctionBound{*proven, isDeclared ? volume::Provenance::declared : volume::Provenance::proven};
   if (declared) return volume::ExtinctionBound{*declared, volume::Provenance::declared};
   return {};
 }
@@ -221,7 +222,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   }
   const std::optional<float> declared = sampling.densityBound ? sampling.densityBound : declaredBound(family, instance);
   const std::optional<float> everywhere = ranges.boundEverywhere();
-  medium.bound = lowestBound(everywhere, declared);
+  medium.bound = lowestBound(everywhere, declared, ranges.areDeclared());
   using scene::DistanceSampling;
   using scene::TransmittanceSampling;
   const DistanceSampling wanted = sampling.distance.value_or(integrator.distance);
@@ -241,6 +242,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
                .objectToWorld = instance.objectToWorld,
                .declared = declared,
                .everywhere = everywhere,
+               .rangesAreDeclared = ranges.areDeclared(),
                .stepSize = medium.stepSize,
                .mayLeaveOut = ranges.mayLeaveOut(),
                .budget = budget});

@@ -76,6 +76,7 @@ class Preparation {
     std::vector<std::filesystem::path> path = options_.shaderPath;
     path.insert(path.end(), description_.searchPath.begin(), description_.searchPath.end());
     path.push_back(options_.shaderLibrary);
+    if (!options_.plugins.empty()) path.push_back(options_.plugins);
     return path;
   }
 

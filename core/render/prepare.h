@@ -18,6 +18,7 @@ namespace aerosol::render {
 struct PrepareOptions {
   std::vector<std::filesystem::path> shaderPath;  ///< Searched before the scene's own search path and the library.
   std::filesystem::path shaderLibrary;            ///< The installed shaders with stdosl.h.
+  std::filesystem::path plugins;                  ///< The installed native plugins; empty: none.
   std::shared_ptr<jit::Compiler> compiler;
   std::shared_ptr<jit::ObjectCache> cache;  ///< May be null.
   jit::Target target;

@@ -318,6 +318,7 @@ void BoundsBatch::run(KernelHost& host, const Family& family, const jit::Kernel&
     arguments.instanceData = family.instanceData.data();
     arguments.outputs = arrays_->outputPointers.data();
     arguments.count = static_cast<std::int32_t>(count);
+    if (!kernel.interface().hostSites.empty()) host.begin(kernel.interface(), family, count);
     kernel(arguments);
     scatter(first, count);
   }

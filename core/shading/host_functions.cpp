@@ -6,11 +6,15 @@
 #include <span>
 #include <utility>
 
+#include "core/lang/native.h"
+#include "core/lang/texture_options.h"
 #include "core/shading/attribute_functions.h"
 #include "core/shading/attributes.h"
 #include "core/shading/dictionary_functions.h"
+#include "core/shading/native_call.h"
 #include "core/shading/point_functions.h"
 #include "core/shading/point_messages.h"
+#include "core/shading/range_functions.h"
 #include "core/shading/texture_functions.h"
 #include "core/shading/trace_function.h"
 
@@ -82,6 +86,7 @@ std::uint32_t PointCall::instance(unsigned lane) const {
 }
 
 void PointCall::report(unsigned lane, std::string_view text) {
+  if (raw_.high) return;  // What is wrong with a box may not be with its points.
   const std::uint32_t lanes = isUniform() ? active() : 1u << lane;
   for (std::uint32_t left = lanes; left != 0; left &= left - 1)
     host_.report(raw_.site, point(static_cast<unsigned>(std::countr_zero(left))), text);
@@ -97,13 +102,22 @@ HostCalls::~HostCalls() = default;
 
 void HostCalls::setFacts(const PointFacts* facts) { facts_ = facts ? facts : &nothingKnown; }
 
-void HostCalls::begin(const jit::KernelInterface& interface, const StringList* stringsOfInstances, std::size_t count) {
+static const ObjectFunction* findNative(const std::string& symbol, const lang::Program* program) {
+  if (!program || !lang::parseNativeSymbol(symbol)) return nullptr;
+  for (const lang::FunctionUse& use : program->functions)
+    if (use.symbol == symbol) return dynamic_cast<const ObjectFunction*>(use.native.get());
+  return nullptr;
+}
+
+void HostCalls::begin(const jit::KernelInterface& interface, const StringList* stringsOfInstances, std::size_t count,
+                      const lang::Program* program) {
   interface_ = &interface;
   functions_.clear();
   messages_->clear();
   tracedRays_->clear();
   for (const lang::HostSite& site : interface.hostSites)
-    functions_.push_back({lang::findPureFunction(site.function), findHostFunction(site.function)});
+    functions_.push_back(
+        {lang::findPureFunction(site.function), findHostFunction(site.function), findNative(site.function, program)});
   strings_.begin(interface, stringsOfInstances, count);
 }
 
@@ -114,12 +128,24 @@ void HostCalls::call(const AerosolHostCall& raw) noexcept {
     StringsOfCall strings(raw, *this);
     PointCall call(raw, site, strings, *this);
     const Function& function = functions_[raw.site];
+    if (raw.high) return callRange(raw, function, call);
+    if (function.native) return callNativeFunction(*function.native, raw, call);
     if (function.pure) return function.pure(call);
     if (function.other) return function.other(call);
   } catch (const std::exception& error) {
     // Out of memory, in all likelihood: the results stay what they were.
     report_(raw.site, PointCall::pointOf(raw, static_cast<unsigned>(std::countr_zero(raw.active))), error.what());
   }
+}
+
+/// What has no rule gives what it is given: nothing is known of it, which kernels do not ask for.
+void HostCalls::callRange(const AerosolHostCall& raw, const Function& function, PointCall& call) {
+  if (function.native) return callNativeFunction(*function.native, raw, call);
+  AerosolHostCall ends = raw;
+  ends.values = raw.high;
+  StringsOfCall strings(raw, *this);
+  PointCall high(ends, call.site(), strings, *this);
+  if (lang::findTextureFunction(call.site().function)) boundLookup(call, high);
 }
 
 }  // namespace aerosol::shading

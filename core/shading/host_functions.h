@@ -23,6 +23,7 @@ namespace aerosol::shading {
 using HostReport = std::function<void(std::uint32_t site, std::uint32_t point, std::string_view text)>;
 
 class HostCalls;
+struct ObjectFunction;
 class PointFacts;
 class PointMessages;
 class SceneAttributes;
@@ -67,7 +68,9 @@ class HostCalls {
   HostCalls& operator=(const HostCalls&) = delete;
 
   /// A kernel is about to run on points 0 to count - 1. What is given must stay while it runs.
-  void begin(const jit::KernelInterface& interface, const StringList* stringsOfInstances, std::size_t count);
+  /// `program`: where functions of plugins are found; without it they are not answered.
+  void begin(const jit::KernelInterface& interface, const StringList* stringsOfInstances, std::size_t count,
+             const lang::Program* program = nullptr);
   /// AerosolHostServices::call.
   void call(const AerosolHostCall& raw) noexcept;
 
@@ -90,7 +93,9 @@ class HostCalls {
   struct Function {
     lang::PureFunction pure;
     HostFunction other;
+    const ObjectFunction* native;
   };
+  void callRange(const AerosolHostCall& raw, const Function& function, PointCall& call);
 
   HostReport report_;
   ServicesOfThread services_;

@@ -85,7 +85,7 @@ void KernelHost::record(AerosolKernelContext* context, std::uint32_t kind, std::
 void KernelHost::begin(const jit::KernelInterface& interface, const Family& family, std::size_t count) {
   instanceData_ = family.instanceData.empty() ? nullptr : family.instanceData.data();
   instanceStride_ = interface.instanceStride;
-  calls_.begin(interface, &family.strings, count);
+  calls_.begin(interface, &family.strings, count, family.program.get());
 }
 
 /// Kernels know the spaces of the language themselves, except by names that are only known when they run.

@@ -8,7 +8,9 @@
 #include "core/base/archive.h"
 #include "core/base/code_version.h"
 #include "core/base/hash.h"
+#include "core/lang/native.h"
 #include "core/lang/serialize.h"
+#include "core/shading/native_plugins.h"
 
 namespace aerosol::shading {
 
@@ -36,7 +38,8 @@ bool holds(const Manifest& manifest) {
   return true;
 }
 
-std::shared_ptr<const lang::Program> fromCache(jit::ObjectCache& cache, const std::string& key) {
+std::shared_ptr<const lang::Program> fromCache(jit::ObjectCache& cache, const std::string& key,
+                                               lang::NativeSource* natives) {
   const auto bytes = cache.get(key);
   if (!bytes) return nullptr;
   ArchiveReader reader(*bytes);
@@ -44,7 +47,8 @@ std::shared_ptr<const lang::Program> fromCache(jit::ObjectCache& cache, const st
   describeManifest(reader, manifest);
   if (!reader.succeeded() || !holds(manifest)) return nullptr;
   auto program = lang::deserialiseProgram(manifest.program);
-  return program ? std::make_shared<const lang::Program>(std::move(*program)) : nullptr;
+  if (!program || !lang::attachNatives(*program, natives)) return nullptr;
+  return std::make_shared<const lang::Program>(std::move(*program));
 }
 
 /// Sources with warnings are not kept: the warnings would be seen only the first time.
@@ -65,7 +69,9 @@ void intoCache(jit::ObjectCache& cache, const std::string& key, const lang::Comp
 
 ShaderLibrary::ShaderLibrary(std::vector<fs::path> searchPath, lang::CompileOptions options,
                              std::shared_ptr<jit::ObjectCache> cache)
-    : searchPath_(std::move(searchPath)), options_(std::move(options)), cache_(std::move(cache)) {}
+    : searchPath_(std::move(searchPath)), options_(std::move(options)), cache_(std::move(cache)) {
+  if (!options_.natives) options_.natives = std::make_shared<NativePlugins>(folders());
+}
 
 std::vector<fs::path> ShaderLibrary::folders() const {
   std::vector<fs::path> all;
@@ -82,7 +88,8 @@ std::vector<std::string> ShaderLibrary::names() const {
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
       const fs::path extension = entry.path().extension();
-      if (extension == ".osl" || extension == ".oso") names.insert(entry.path().stem().string());
+      if (extension == ".osl" || extension == ".oso" || isPluginFile(entry.path()))
+        names.insert(entry.path().stem().string());
     }
   }
   return {names.begin(), names.end()};
@@ -101,6 +108,8 @@ Result<fs::path> ShaderLibrary::fileOf(const std::string& name, const SourceLoca
       return isOlder ? source : compiled;
     }
     if (hasSource) return source;
+    for (const char* extension : pluginExtensions)
+      if (const fs::path plugin = folder / (name + extension); fs::is_regular_file(plugin, ignored)) return plugin;
   }
   Diagnostic missing{Severity::error, use, fmt::format("unknown shader '{}'", name), {}, {}};
   const std::vector<std::string> known = names();
@@ -158,11 +167,11 @@ Result<ShaderLibrary::Shader> ShaderLibrary::loadShader(const fs::path& file, Di
 
   const std::string key = manifestKey(file, absolute);
   Shader shader;
-  if (cache_) shader.layer = fromCache(*cache_, key);
+  if (cache_) shader.layer = fromCache(*cache_, key, options_.natives.get());
   if (shader.layer) {
     shader.program = lang::programOf(*shader.layer);
   } else {
-    auto compiled = lang::compileFile(file, options_);
+    auto compiled = isPluginFile(file) ? compilePlugin(file, options_) : lang::compileFile(file, options_);
     if (!compiled) return compiled.errors();
     warnings.append(compiled->warnings);
     if (cache_) intoCache(*cache_, key, *compiled);

@@ -6,11 +6,7 @@
 
 namespace aerosol::shading {
 
-namespace {
-
-constexpr std::size_t lanes = AEROSOL_MAXIMUM_WIDTH;
-
-VoxelInterpolation interpolationOf(TextureInterpolation interpolation) {
+VoxelInterpolation voxelInterpolation(TextureInterpolation interpolation) {
   switch (interpolation) {
     case TextureInterpolation::closest:
       return VoxelInterpolation::nearest;
@@ -23,9 +19,8 @@ VoxelInterpolation interpolationOf(TextureInterpolation interpolation) {
   return VoxelInterpolation::trilinear;
 }
 
-/// The grid that an option or its absence names; null with a message.
-const VoxelGrid* chooseGrid(const VoxelFile& file, std::string_view path, const TexturePoint& point,
-                            std::string& problem) {
+const VoxelGrid* chooseVoxelGrid(const VoxelFile& file, std::string_view path, const TexturePoint& point,
+                                 std::string& problem) {
   const VoxelGrid* grid = nullptr;
   if (point.subimageName.empty() && point.subimage > 0) {
     const auto number = static_cast<std::size_t>(point.subimage);
@@ -44,6 +39,10 @@ const VoxelGrid* chooseGrid(const VoxelFile& file, std::string_view path, const 
   }
   return grid;
 }
+
+namespace {
+
+constexpr std::size_t lanes = AEROSOL_MAXIMUM_WIDTH;
 
 /// Values of one grid for some lanes, into the channels that they ask for.
 void sampleGrid(TextureCall& call, const VoxelGrid& grid, VoxelInterpolation interpolation,
@@ -80,7 +79,7 @@ void lookUpVoxels(TextureCall& call, ServicesOfThread& services, std::string_vie
   for (std::size_t i = 0; i < group.size(); ++i) {
     points[i] = call.read(group[i]);
     std::string problem = fileProblem;
-    if (file) grids[i] = chooseGrid(*file, path, points[i], problem);
+    if (file) grids[i] = chooseVoxelGrid(*file, path, points[i], problem);
     if (grids[i]) continue;
     std::array<float, maximumTextureChannels> result;
     result.fill(points[i].fill);
@@ -105,7 +104,7 @@ void lookUpVoxels(TextureCall& call, ServicesOfThread& services, std::string_vie
       theirs[count++] = points[i];
       grids[i] = nullptr;
     }
-    sampleGrid(call, grid, interpolationOf(interpolation), {together.data(), count}, {theirs.data(), count});
+    sampleGrid(call, grid, voxelInterpolation(interpolation), {together.data(), count}, {theirs.data(), count});
   }
 }
 

@@ -9,6 +9,11 @@
 
 namespace aerosol::shading {
 
+VoxelInterpolation voxelInterpolation(TextureInterpolation interpolation);
+/// The grid that an option or its absence names; null with a message.
+const VoxelGrid* chooseVoxelGrid(const VoxelFile& file, std::string_view path, const TexturePoint& point,
+                                 std::string& problem);
+
 /// The lanes of `group` look up a file of voxel data: the grid is chosen by the option "subimage" (a name or a number;
 /// the first one that can be looked up without it), at points of the file's space.
 void lookUpVoxels(TextureCall& call, ServicesOfThread& services, std::string_view file,

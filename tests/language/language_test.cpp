@@ -432,7 +432,7 @@ TEST_P(Language, StaysWithinTheBoundsOfBoxes) {
   AerosolInstanceHeader header{};
   setSpaces(header, test_);
   boxes.instanceData = instanceBlock(range.interface(), *program_, values_, header);
-  const auto bounds = runRange(range, boxes);
+  const auto bounds = runRange(range, boxes, &answers_);
   // Outputs of the range kernel, by the wide kernel's pointers: strings have no bounds.
   std::vector<std::size_t> pointers;
   for (std::size_t i = 0; i < wide.interface().outputs.size(); ++i)

@@ -11,7 +11,9 @@
 #include <utility>
 
 #include "core/app/compile_command.h"
+#include "core/app/toolchain.h"
 #include "core/app/tools/osl_form.h"
+#include "core/app/tools/plugin_source.h"
 #include "core/base/paths.h"
 #include "core/lang/compiled_file.h"
 #include "core/lang/shader_interface.h"
@@ -144,9 +146,18 @@ ExitCode compileTool(const ToolArguments& call, const Console& console) {
     for (const std::string& option : arguments.ignored)
       console.note(fmt::format("note: {} means nothing here and is ignored\n", option));
   }
+  const auto isSource = [](const fs::path& file) { return isPluginSource(file); };
+  bool allCompiled = true;
+  for (const fs::path& file : arguments.shaders)
+    if (isSource(file)) allCompiled = compilePluginSource(file, arguments, console) && allCompiled;
+  std::erase_if(arguments.shaders, isSource);
+  if (arguments.shaders.empty()) return allCompiled ? ExitCode::success : ExitCode::badInput;
   const bool writesFiles = call.isOsl || arguments.preprocessOnly || arguments.dependencies.wanted ||
                            arguments.verbose || arguments.quiet || !arguments.outputFile.empty();
-  if (!writesFiles) return compileCommand(arguments, console);
+  if (!writesFiles) {
+    const ExitCode code = compileCommand(arguments, console);
+    return allCompiled ? code : ExitCode::badInput;
+  }
 
   const auto installation = findInstallation();
   if (!installation) {
@@ -159,8 +170,12 @@ ExitCode compileTool(const ToolArguments& call, const Console& console) {
   options.defines = arguments.defines;
   options.undefines = arguments.undefines;
   options.standardLibrary = installation->shaders / "stdosl.h";
+  std::vector<fs::path> folders = {""};
+  for (const fs::path& file : arguments.shaders) folders.push_back(file.parent_path());
+  folders.insert(folders.end(), options.includePaths.begin(), options.includePaths.end());
+  folders.push_back(installation->plugins);
+  options.natives = openPlugins(folders);
   FileCompiler compiler(arguments, call.isOsl, std::move(options), console);
-  bool allCompiled = true;
   for (const fs::path& file : arguments.shaders) {
     const bool isGood = compiler.compile(file);
     if (!isGood && call.isOsl) console.print(fmt::format("FAILED {}\n", file.string()));

@@ -7,11 +7,13 @@
 #include <filesystem>
 
 #include "core/app/quantity.h"
+#include "core/app/toolchain.h"
 #include "core/app/tools/option_table.h"
 #include "core/app/tools/shader_files.h"
 #include "core/app/voxel_report.h"
 #include "core/base/paths.h"
 #include "core/grid/grid_file.h"
+#include "core/shading/native_plugins.h"
 
 namespace aerosol::app {
 
@@ -39,7 +41,23 @@ lang::CompileOptions compileOptions(const Installation& installation) {
   lang::CompileOptions options;
   options.includePaths = {installation.shaders};
   options.standardLibrary = installation.shaders / "stdosl.h";
+  options.natives = openPlugins({"", installation.shaders, installation.plugins});
   return options;
+}
+
+/// A plugin's functions, as shaders declare them.
+bool describePlugin(const std::filesystem::path& file, const Console& console) {
+  const auto plugin = shading::NativePlugins({}).open(file, {});
+  if (!plugin) {
+    console.report(plugin.errors());
+    return false;
+  }
+  console.print(fmt::format("plugin \"{}\"{}\n", (*plugin)->name, (*plugin)->shader.empty() ? "" : ", with a shader"));
+  const std::string stem = file.stem().string();
+  for (std::size_t i = 0; i < (*plugin)->functions.size(); ++i)
+    console.print(fmt::format("    {} [[ string native = \"{}\" ]];{}\n", (*plugin)->declarations[i], stem,
+                              (*plugin)->functions[i]->hasRange ? "  // with a range version" : ""));
+  return true;
 }
 
 }  // namespace
@@ -75,6 +93,7 @@ ExitCode infoCommand(const ToolArguments& arguments, const Console& console) {
   folders.insert(folders.end(), arguments.shaderPath.begin(), arguments.shaderPath.end());
   if (info.searchPath.empty()) folders.insert(folders.begin(), "");
   folders.push_back(installation->shaders);
+  folders.push_back(installation->plugins);
   bool allFound = true;
   for (const std::string& name : info.shaders) {
     if (grid::isGridFile(name)) {
@@ -89,6 +108,10 @@ ExitCode infoCommand(const ToolArguments& arguments, const Console& console) {
     }
     const auto begin = std::chrono::steady_clock::now();
     const auto file = findShaderFile(name, folders);
+    if (file && shading::isPluginFile(*file)) {
+      allFound = describePlugin(*file, console) && allFound;
+      continue;
+    }
     const auto shader = file ? lang::readShaderInterface(*file, compileOptions(*installation))
                              : Diagnostic{.message = fmt::format("File \"{}\" could not be found.", name)};
     if (!shader) {

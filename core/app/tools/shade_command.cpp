@@ -72,9 +72,13 @@ std::optional<GridShader> ShadeRun::makeShader(bool isChanged) {
   std::vector<std::filesystem::path> folders(arguments_.shaderPath.begin(), arguments_.shaderPath.end());
   std::ranges::copy(arguments_.kernels.shaderPath, std::back_inserter(folders));
   folders.push_back(toolchain_->installation.shaders);
+  folders.push_back(toolchain_->installation.plugins);
   lang::CompileOptions options;
   options.includePaths = folders;
   options.standardLibrary = toolchain_->installation.shaders / "stdosl.h";
+  std::vector<std::filesystem::path> pluginFolders = {""};
+  std::ranges::copy(folders, std::back_inserter(pluginFolders));
+  options.natives = openPlugins(pluginFolders);
   auto group = buildShadeGroup(arguments_, folders, options, isChanged);
   if (!group) {
     report(group.errors());
@@ -85,7 +89,7 @@ std::optional<GridShader> ShadeRun::makeShader(bool isChanged) {
     group_ = std::move(*group);
   }
   const ShadeGroup& made = isChanged ? *group : *group_;
-  folders.pop_back();
+  folders.resize(folders.size() - 2);
   folders.insert(folders.begin(), "");
   auto shader =
       GridShader::create(*toolchain_, made.program, made.values, makeShadeHost(arguments_, std::move(folders), made));

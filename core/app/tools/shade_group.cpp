@@ -13,6 +13,7 @@
 #include "core/app/tools/shader_files.h"
 #include "core/lang/group.h"
 #include "core/lang/user_data.h"
+#include "core/shading/native_plugins.h"
 
 namespace aerosol::app {
 
@@ -62,7 +63,10 @@ class Compiler {
 
  private:
   Result<lang::CompiledSource> compileFile(const std::string& name) const {
-    if (const auto file = findShaderFile(name, folders_)) return lang::compileFile(*file, options_);
+    if (const auto file = findShaderFile(name, folders_)) {
+      return shading::isPluginFile(*file) ? shading::compilePlugin(*file, options_)
+                                          : lang::compileFile(*file, options_);
+    }
     return Diagnostic{Severity::error, {}, fmt::format("No .oso file could be found for shader \"{}\"", name), {}, {}};
   }
 

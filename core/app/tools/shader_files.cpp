@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/shading/native_plugins.h"
+
 namespace aerosol::app {
 
 namespace fs = std::filesystem;
@@ -20,7 +22,8 @@ std::vector<fs::path> splitSearchPath(std::string_view text) {
 std::optional<fs::path> findShaderFile(const std::string& name, const std::vector<fs::path>& folders) {
   constexpr std::array<const char*, 5> kinds = {"", "volume", "surface", "light", "texture"};
   std::vector<std::string> files = {name + ".oso", name + ".osl"};
-  if (name.ends_with(".osl")) files = {name};
+  for (const char* extension : shading::pluginExtensions) files.push_back(name + extension);
+  if (name.ends_with(".osl") || shading::isPluginFile(name)) files = {name};
   if (name.ends_with(".oso")) files = {name, name.substr(0, name.size() - 1) + "l"};
   for (const fs::path& folder : folders) {
     for (const char* kind : kinds) {

@@ -161,7 +161,7 @@ class Builder {
     BoundRanges& ranges = cell.knowledge.ranges;
     const BoxSamples& samples = cell.samples;
     float limit = cell.provenHigh = ranges.extinctionHigh;
-    cell.provenance = Provenance::proven;
+    cell.provenance = request_.rangesAreDeclared ? Provenance::declared : Provenance::proven;
     if (request_.declared && *request_.declared < limit) {
       limit = *request_.declared;
       cell.provenance = Provenance::declared;
@@ -328,9 +328,9 @@ class Builder {
     for (const BoundNode& node : tree.nodes) largest = std::max(largest, node.limit);
     const float proven = request_.everywhere.value_or(HUGE_VALF), declared = request_.declared.value_or(HUGE_VALF);
     const float known = std::min(proven, declared);
-    const Provenance provenance = !std::isfinite(known) ? Provenance::estimated
-                                  : proven <= declared  ? Provenance::proven
-                                                        : Provenance::declared;
+    const Provenance provenance = !std::isfinite(known)                               ? Provenance::estimated
+                                  : proven <= declared && !request_.rangesAreDeclared ? Provenance::proven
+                                                                                      : Provenance::declared;
     const float majorant = std::max(std::isfinite(known) ? known : largest, 1.0f / request_.stepSize);
     tree.outside = {majorant, 0, majorant, BoundNode::makeLink(LeafKind::bounded, provenance, 0)};
   }

@@ -48,6 +48,7 @@ struct BoundRequest {
   Transform<World, Object> objectToWorld;
   std::optional<float> declared;    ///< Upper bound on extinction that scene or shader declare.
   std::optional<float> everywhere;  ///< Proven upper bound on extinction that holds outside of the domain too.
+  bool rangesAreDeclared = false;   ///< What is proven rests on what plugins say of themselves.
   float stepSize = 1;               ///< World units: how often to look where nothing is known, or only emission.
   bool mayLeaveOut = true;          ///< Whether points of known coefficients need not be asked for.
   BoundBudget budget;

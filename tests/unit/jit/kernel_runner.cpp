@@ -129,6 +129,16 @@ std::uint64_t canonical(std::uint64_t bits, lang::BaseType type) {
   return x != x ? 0x7fc00000u : bits;
 }
 
+static AerosolHostServices makeServices() {
+  AerosolHostServices services{};
+  services.size = sizeof(services);
+  services.record = &recordService;
+  services.spaceToWorld = &spaceService;
+  services.worldToSpace = &spaceService;
+  services.call = &callService;
+  return services;
+}
+
 Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces, HostAnswers* answers) {
   const KernelInterface& interface = kernel.interface();
   std::vector<Padded> arrays;
@@ -152,12 +162,7 @@ Outcome run(const Kernel& kernel, const Batch& batch, const HostSpaces& spaces, 
       }
     }
   }
-  AerosolHostServices services{};
-  services.size = sizeof(services);
-  services.record = &recordService;
-  services.spaceToWorld = &spaceService;
-  services.worldToSpace = &spaceService;
-  services.call = &callService;
+  const AerosolHostServices services = makeServices();
   Host host;
   host.context.services = &services;
   host.context.loopBudget = batch.loopBudget;
@@ -219,7 +224,7 @@ Compiler& compiler() {
   return *shared;
 }
 
-std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& boxes) {
+std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& boxes, HostAnswers* answers) {
   const KernelInterface& interface = kernel.interface();
   std::vector<Padded> arrays;
   std::vector<const float*> globals;
@@ -257,11 +262,22 @@ std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& box
     arrays.emplace_back(boxes.count, 8);
     outputs.push_back(arrays.back().get());
   }
-  AerosolKernelContext context{};
-  context.loopBudget = boxes.loopBudget;
+  const AerosolHostServices services = makeServices();
+  const HostSpaces noSpaces;
+  Host host;
+  host.context.services = &services;
+  host.context.loopBudget = boxes.loopBudget;
+  host.interface = &interface;
+  host.spaces = &noSpaces;
+  host.answers = answers;
+  if (answers) {
+    answers->begin(interface, boxes.count, [](std::uint32_t, std::uint32_t point, std::uint64_t) {
+      ADD_FAILURE() << "a report of box " << point;
+    });
+  }
   const Padded instanceData = padded(boxes.instanceData, boxes.instanceData.size());
   AerosolKernelArguments arguments{};
-  arguments.context = &context;
+  arguments.context = &host.context;
   arguments.globals = globals.data();
   arguments.instanceData = static_cast<const unsigned char*>(instanceData.get());
   arguments.outputs = outputs.data();

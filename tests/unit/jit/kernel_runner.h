@@ -84,8 +84,9 @@ struct Bounds {
   bool holds(double value) const { return value != value ? mayBeNan : low <= value && value <= high; }
 };
 
-/// Runs a range kernel: bounds by box, then by component of the outputs (floats and ints).
-std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& boxes);
+/// Runs a range kernel: bounds by box, then by component of the outputs (floats and ints). No host function reports
+/// anything of a box.
+std::vector<std::vector<Bounds>> runRange(const Kernel& kernel, const Boxes& boxes, HostAnswers* answers = nullptr);
 
 /// Bits, but one pattern for all NaNs.
 std::uint64_t canonical(std::uint64_t bits, lang::BaseType type);
