@@ -6,6 +6,19 @@ namespace aerosol::accel {
 
 namespace {
 
+/// Where and how a ray meets a surface, of which the key is known.
+SurfaceHit describe(const Surface& surface, const Ray<World>& ray, const HitKey& key) {
+  const DoubleRay exact{toDouble(ray.origin), toDouble(ray.direction)};
+  const auto standing = [&](const DoubleRay& r) {
+    return surface.mesh ? describeHit(*surface.mesh, key.primitive, r, key.t)
+                        : describeHit(*surface.analytic, r, key.t);
+  };
+  if (!surface.motion) [[likely]]
+    return standing(exact);
+  const Transform<World, Object> placement = surface.motion->placement.at(ray.time);
+  return placeHit(standing(takeBack(placement, exact)), placement);
+}
+
 class Query;
 
 /// What Embree hands to every callback.
@@ -109,7 +122,7 @@ class Query {
   template <class Entering>
   bool offerShadow(const HitKey& key, Entering&& entering) {
     if (!isInRange(key)) return false;
-    if (!key.passThrough) return true;
+    if (!key.passThrough && !(key.object < scene_.shadowsPass.size() && scene_.shadowsPass[key.object])) return true;
     interfaces_->push_back({key, entering()});
     return false;
   }
@@ -155,18 +168,7 @@ class Query {
 
   std::optional<SurfaceHit> hit() const {
     if (!hasBest_) return {};
-    const Surface& surface = scene_.surfaces[best_.object];
-    SurfaceHit hit;
-    if (surface.motion) [[unlikely]] {
-      const Transform<World, Object> placement = surface.motion->placement.at(ray_.time);
-      const DoubleRay back = takeBack(placement, exact_);
-      hit = placeHit(surface.mesh ? describeHit(*surface.mesh, best_.primitive, back, best_.t)
-                                  : describeHit(*surface.analytic, back, best_.t),
-                     placement);
-    } else {
-      hit = surface.mesh ? describeHit(*surface.mesh, best_.primitive, exact_, best_.t)
-                         : describeHit(*surface.analytic, exact_, best_.t);
-    }
+    SurfaceHit hit = describe(scene_.surfaces[best_.object], ray_, best_);
     hit.hasCompany = nextT_ - best_.t <= slack_;
     return hit;
   }
@@ -438,6 +440,10 @@ const TriangleMesh* Scene::mesh(ObjectId object) const {
   const auto& mesh = data_->surfaces[object].mesh;
   return mesh ? &mesh->mesh : nullptr;
 }
+SurfaceHit Scene::hitAt(const Ray<World>& ray, const HitKey& key) const {
+  return describe(data_->surfaces[key.object], ray, key);
+}
+
 Box<World> Scene::surfaceBounds(ObjectId object) const {
   const Surface& surface = data_->surfaces[object];
   if (surface.analytic) return surface.analytic->worldBounds();

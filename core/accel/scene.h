@@ -75,6 +75,9 @@ class Scene {
   /// HitKey; if so, both are empty.
   bool occluded(const Ray<World>& ray, SpanBuffer& spans, InterfaceBuffer& interfaces, Counters& counters) const;
 
+  /// The hit that a query of this ray has reported by its key.
+  SurfaceHit hitAt(const Ray<World>& ray, const HitKey& key) const;
+
   /// Bounds of every surface and of every finite volume while the shutter is open.
   Box<World> bounds() const;
   ObjectId objectCount() const;
@@ -114,6 +117,8 @@ class SceneBuilder {
   /// The unit disk in the xy plane, facing +z.
   Result<ObjectId> addDisk(const Transform<World, Object>& toWorld, bool passThrough = false, bool flipNormals = false);
   Result<VolumeId> addVolume(std::unique_ptr<const VolumeShape> volume);
+  /// Shadow rays do not stop at the surface, though other rays meet it: they list it among their interfaces.
+  void letShadowsPass(ObjectId object);
 
   /// What `chooseOverlapDesign` says of the volumes added so far.
   OverlapDesign preferredOverlapDesign() const;

@@ -290,6 +290,11 @@ Result<VolumeId> SceneBuilder::addVolume(std::unique_ptr<const VolumeShape> volu
   return static_cast<VolumeId>(data_->volumes.size() - 1);
 }
 
+void SceneBuilder::letShadowsPass(ObjectId object) {
+  data_->shadowsPass.resize(std::max<std::size_t>(data_->shadowsPass.size(), object + 1));
+  data_->shadowsPass[object] = true;
+}
+
 OverlapDesign SceneBuilder::preferredOverlapDesign() const {
   // The partition is of space at one time.
   if (std::ranges::any_of(data_->volumeMotions, [](const auto& motion) { return motion.has_value(); }))

@@ -48,6 +48,7 @@ struct SceneData {
   std::vector<Surface> surfaces;                              ///< By ObjectId.
   std::vector<std::unique_ptr<const VolumeShape>> volumes;    ///< By VolumeId.
   std::vector<std::optional<MovingPlacement>> volumeMotions;  ///< By VolumeId.
+  std::vector<bool> shadowsPass;                              ///< By ObjectId; what is missing stops them.
 
   // Set by build:
   std::vector<const AnalyticSurface*> analytic;   ///< By primitive of Embree's geometry for them.

@@ -45,21 +45,21 @@ namespace {
 /// Towards a medium that glows: what all media emit between the vertex and the first surface in that direction.
 volume::Task<Color> estimateGlow(PathContext& path, const ScatteringVertex& vertex, LightId light,
                                  LightUniforms uniforms, float time) {
-  const PreparedScene& scene = path.scene();
-  const std::optional<LightSample> sample = scene.lights.sample(light, vertex.position(), uniforms);
+  const LightSet& lights = path.scene().lightsOf(vertex.links());
+  const std::optional<LightSample> sample = lights.sample(light, vertex.position(), uniforms);
   if (!sample) co_return Color();
   const Color scattered = vertex.evaluate(sample->direction);
   if (isBlack(scattered)) co_return Color();
-  const float density = scene.lights.pdfVolumes(vertex.position(), sample->direction) + vertex.pdf(sample->direction);
+  const float density = lights.pdfVolumes(vertex.position(), sample->direction) + vertex.pdf(sample->direction);
   Ray<World> ray;
   ray.time = time;
   ray.direction = sample->direction;
   ray.origin = vertex.originTowards(sample->direction);
-  const auto hit = scene.geometry->closestHit(ray, path.spans, path.statistics().accel);
-  findSegments(path, ray, 0, hit ? hit->t : std::numeric_limits<double>::infinity(),
-               vertex.mediumTowards(sample->direction), vertex.mediaTowards(sample->direction));
+  const auto hit = path.scene().geometry->closestHit(ray, path.spans, path.statistics().accel);
   path.setRay(ray);
   path.setRayTypes(shading::ray::diffuse);
+  findSegments(path, ray, 0, hit ? hit->t : std::numeric_limits<double>::infinity(),
+               vertex.mediumTowards(sample->direction), vertex.mediaTowards(sample->direction), vertex.links());
   const volume::DistanceSample way = co_await sampleDistance(path, ray, scattered);
   co_return scattered* way.emission * (1 / density);
 }
@@ -68,7 +68,7 @@ volume::Task<Color> estimateGlow(PathContext& path, const ScatteringVertex& vert
 
 volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time) {
   std::optional<PhaseScope> phase(std::in_place, path.statistics().accel.phase, Phase::lights);
-  const LightSet& lights = path.scene().lights;
+  const LightSet& lights = path.scene().lightsOf(vertex.links());
   LightUniforms uniforms;
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().next1D();
@@ -86,12 +86,13 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   const Color scattered = vertex.evaluate(light->direction) * light->value;
   if (isBlack(scattered)) co_return Color();
   const float pdf = light->pdf * choice->probability;
-  const float byDirection = light->isDelta ? 0.0f : vertex.pdf(light->direction);
   const auto byPlace = static_cast<float>(vertex.rivalry(choice->id()) * static_cast<double>(light->pdf));
   phase.reset();
   const Color transmittance =
       co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
                                      vertex.mediaTowards(light->direction));
+  // Behind a surface that bends light, what a path meets is not counted.
+  const float byDirection = light->isDelta || path.wentStraight ? 0.0f : vertex.pdf(light->direction);
   const float correction = vertex.correction(choice->id(), light->distance);
   co_return scattered* transmittance*(balance(pdf, byDirection + byPlace) * correction / pdf);
 }
@@ -101,7 +102,8 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
 // balance heuristic leaves one over the sum of all.
 volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& vertex,
                                         const LightsAlongRay::Choice& choice, float time) {
-  const LightSet& lights = path.scene().lights;
+  const LightSet& lights = path.scene().lightsOf(vertex.links());
+  if (!lights.contains(choice.light.light)) co_return Color();
   LightUniforms uniforms;
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().nextHash();
@@ -111,29 +113,32 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   if (isBlack(scattered)) co_return Color();
 
   const auto directionPdf = static_cast<double>(light->pdf);
-  const double byDirection = light->isDelta ? 0 : static_cast<double>(vertex.pdf(light->direction));
-  const double byTracker =
-      directionPdf * static_cast<double>(lights.probability(choice.light, vertex.position())) + byDirection;
-  const double density = choice.density * directionPdf + vertex.place().choicePdf * byTracker;
   const Color transmittance =
       co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
                                      vertex.mediaTowards(light->direction));
+  const double byDirection =
+      light->isDelta || path.wentStraight ? 0 : static_cast<double>(vertex.pdf(light->direction));
+  const double byTracker =
+      directionPdf * static_cast<double>(lights.probability(choice.light, vertex.position())) + byDirection;
+  const double density = choice.density * directionPdf + vertex.place().choicePdf * byTracker;
   const auto correction = static_cast<double>(vertex.correction(choice.light, light->distance));
   co_return scattered* transmittance* static_cast<float>(correction / density);
 }
 
 float metEmissionWeight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record) {
-  if (record.isDelta || !scene.lights.hasVolumes()) return 1;
-  return balance(record.pdf, scene.lights.pdfVolumes(record.from, direction));
+  const LightSet& lights = scene.lightsOf(record.links);
+  if (record.isDelta || !lights.hasVolumes()) return 1;
+  return balance(record.pdf, lights.pdfVolumes(record.from, direction));
 }
 
 Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record) {
+  if (record.isReplaced) return {};
+  const LightSet& lights = scene.lightsOf(record.links);
   Color sum;
-  for (const std::uint32_t index : scene.lights.infinite()) {
-    const Color radiance = scene.lights[index].escaped(direction);
+  for (const std::uint32_t index : lights.infinite()) {
+    const Color radiance = lights[index].escaped(direction);
     if (isBlack(radiance)) continue;
-    const float weight =
-        record.isDelta ? 1.0f : balance(record.pdf, scene.lights.pdfEscaped(index, record.from, direction));
+    const float weight = record.isDelta ? 1.0f : balance(record.pdf, lights.pdfEscaped(index, record.from, direction));
     sum += radiance * weight;
   }
   return sum;
@@ -141,15 +146,16 @@ Color escapedLight(const PreparedScene& scene, Vector<World> direction, const Di
 
 Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::SurfaceHit& hit, Vector<World> direction,
                const DirectionRecord& record) {
+  const LightSet& lights = scene.lightsOf(record.links);
+  if (record.isReplaced || !lights.contains(light)) return Color();
   const LightHit at{hit.point, hit.geometricNormal, direction, hit.primitive};
-  const Color radiance = scene.lights[light].emitted(at);
+  const Color radiance = lights[light].emitted(at);
   if (isBlack(radiance)) return Color();
   if (record.isDelta) return radiance;
-  const LightId id = scene.lights.idOf(light, at);
-  const double byPoint = static_cast<double>(scene.lights.probability(id, record.from));
+  const LightId id = lights.idOf(light, at);
+  const double byPoint = static_cast<double>(lights.probability(id, record.from));
   const double byPlace = record.place ? record.place->rivalry(id) : 0;
-  const auto others =
-      static_cast<float>((byPoint + byPlace) * static_cast<double>(scene.lights.pdf(id, record.from, at)));
+  const auto others = static_cast<float>((byPoint + byPlace) * static_cast<double>(lights.pdf(id, record.from, at)));
   return radiance * balance(record.pdf, others);
 }
 

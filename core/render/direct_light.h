@@ -6,6 +6,7 @@
 #include "core/render/closure_mix.h"
 #include "core/render/lights_along_ray.h"
 #include "core/render/path_context.h"
+#include "core/render/prepared_scene.h"
 #include "core/volume/medium.h"
 #include "core/volume/phase.h"
 #include "core/volume/task.h"
@@ -35,6 +36,8 @@ class ScatteringVertex {
 
   /// How often the vertex is found by a choice that begins with this light, for each time that it is found as it was.
   virtual double rivalry(LightId) const { return 0; }
+  /// Which lights light it; null: all.
+  virtual const LinkedLights* links() const { return nullptr; }
   /// Factor on the light's irradiance; see LightsAlongRay::correction.
   virtual float correction(LightId, float) const { return 1; }
 };
@@ -50,11 +53,12 @@ struct PlaceOnRay {
 
 class MediumVertex final : public ScatteringVertex {
  public:
-  /// `ray` arrives; `boundaryMedium` is the surface-defined medium around the vertex, the one of `media` that rules.
-  /// `place` outlives the vertex.
-  MediumVertex(const volume::PhaseFunction& phase, const Ray<World>& ray, const PlaceOnRay& place, float anisotropy,
-               const volume::Medium* boundaryMedium, const volume::MediumStack& media)
-      : phase_(phase),
+  /// `ray` arrives and is scattered by `medium`; `boundaryMedium` is the surface-defined medium around the vertex, the
+  /// one of `media` that rules. All outlive the vertex.
+  MediumVertex(const PreparedScene& scene, const volume::Medium& medium, const Ray<World>& ray, const PlaceOnRay& place,
+               float anisotropy, const volume::Medium* boundaryMedium, const volume::MediumStack& media)
+      : phase_(scene.phaseOf(medium)),
+        links_(scene.linksOf(medium)),
         position_(accel::pointAt(ray, place.t)),
         before_(ray.direction),
         place_(place),
@@ -74,11 +78,13 @@ class MediumVertex final : public ScatteringVertex {
   float correction(LightId light, float distance) const override {
     return place_.lights.correction(light, place_.t, distance);
   }
+  const LinkedLights* links() const override { return links_; }
   const PlaceOnRay& place() const { return place_; }
   volume::PhaseSample sample(std::array<float, 2> u) const { return phase_.sample(parameters_, before_, u); }
 
  private:
   const volume::PhaseFunction& phase_;
+  const LinkedLights* links_;
   Point<World> position_;
   Vector<World> before_;
   const PlaceOnRay& place_;
@@ -96,31 +102,36 @@ class SurfaceVertex final : public ScatteringVertex {
   };
 
   /// All outlive the vertex. `near` is the side that the ray came from, `far` the one behind.
-  SurfaceVertex(const accel::SurfaceHit& hit, const ClosureMix& closures, const Side& near, const Side& far)
-      : hit_(hit), closures_(closures), near_(near), far_(far) {}
+  /// `lightsPassed`: lights behind the surface have been sampled straight through it, from the vertex before.
+  SurfaceVertex(const accel::SurfaceHit& hit, const ClosureMix& closures, const Side& near, const Side& far,
+                bool lightsPassed = false)
+      : hit_(hit), closures_(closures), near_(near), far_(far), lightsPassed_(lightsPassed) {}
 
   Point<World> position() const override { return hit_.point; }
   Point<World> originTowards(Vector<World> direction) const override { return hit_.originTowards(direction); }
   const volume::Medium* mediumTowards(Vector<World> direction) const override { return sideOf(direction).medium; }
   const volume::MediumStack& mediaTowards(Vector<World> direction) const override { return sideOf(direction).media; }
-  Color evaluate(Vector<World> direction) const override { return closures_.evaluate(direction); }
+  Color evaluate(Vector<World> direction) const override {
+    return lightsPassed_ && isBehind(direction) ? Color() : closures_.evaluate(direction);
+  }
   float pdf(Vector<World> direction) const override { return closures_.pdf(direction); }
 
  private:
-  const Side& sideOf(Vector<World> direction) const {
-    return (dot(direction, hit_.geometricNormal) > 0) == hit_.entering ? near_ : far_;
-  }
+  const Side& sideOf(Vector<World> direction) const { return isBehind(direction) ? far_ : near_; }
+  bool isBehind(Vector<World> direction) const { return (dot(direction, hit_.geometricNormal) > 0) != hit_.entering; }
 
   const accel::SurfaceHit& hit_;
   const ClosureMix& closures_;
   Side near_, far_;
+  bool lightsPassed_;
 };
 
 /// One sample of one light: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the
 /// vertex and against vertices that were chosen for the light. Two slots of the path's stream.
 volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time);
 
-/// The same for a vertex that was chosen for a light: divided by the joint density of light and place. One slot.
+/// The same for a vertex that was chosen for a light, which must be one that lights it: divided by the joint density of
+/// light and place. One slot.
 volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& vertex,
                                         const LightsAlongRay::Choice& choice, float time);
 
@@ -129,7 +140,9 @@ struct DirectionRecord {
   Point<World> from;
   float pdf = 0;        ///< Per steradian.
   bool isDelta = true;  ///< No light sample could have found the direction (or there was none): full weight.
-  std::optional<PlaceOnRay> place;  ///< Of a vertex in a medium.
+  std::optional<PlaceOnRay> place;      ///< Of a vertex in a medium.
+  const LinkedLights* links = nullptr;  ///< Which lights count; null: all.
+  bool isReplaced = false;  ///< Shadow rays have gone straight where this direction was bent: no light counts.
 };
 
 /// The weight of what media emit along a ray up to the first surface: they may be sampled as lights.

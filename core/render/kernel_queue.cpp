@@ -197,8 +197,12 @@ bool KernelQueues::allSound(const Queue& queue) const {
   return sound;
 }
 
+const std::optional<VolumeLook>& KernelQueues::lookOf(const PathContext& path, const PendingQuestion& from) const {
+  return scene_.looks[path.questions()[from.question].medium->index];
+}
+
 void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths) {
-  const bool sound = allSound(queue);
+  const bool sound = allSound(queue), hasLooks = !scene_.looks.empty();
   const std::size_t outputs = queue.destinations.size();
   for (std::size_t lane = 0; lane < running_.size(); ++lane) {
     PathContext& path = *paths[running_[lane].slot];
@@ -210,11 +214,14 @@ void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext
     if (queue.copiesSigmaS) answer.lobes[0].sigmaS = answer.sigmaS;
     if (!sound) [[unlikely]]
       checkCoefficients(answer, running_[lane].question, path);
+    if (hasLooks) {
+      if (const auto& look = lookOf(path, running_[lane])) look->apply(answer);
+    }
   }
 }
 
 void KernelQueues::scatterExtinction(const Queue& queue, std::span<PathContext* const> paths) {
-  const bool sound = allSound(queue);
+  const bool sound = allSound(queue), hasLooks = !scene_.looks.empty();
   const float* const r = batch_.output(0);
   const float* const g = batch_.output(1);
   const float* const b = batch_.output(2);
@@ -222,12 +229,15 @@ void KernelQueues::scatterExtinction(const Queue& queue, std::span<PathContext* 
     PathContext& path = *paths[running_[lane].slot];
     volume::Coefficients& answer = path.answer(running_[lane].question);
     answer.sigmaT = Color(r[lane], g[lane], b[lane]);
-    if (sound) [[likely]]
-      continue;
-    answer.sigmaS = Color();
-    answer.emission = Color();
-    answer.lobeCount = 0;
-    checkCoefficients(answer, running_[lane].question, path);
+    if (!sound) [[unlikely]] {
+      answer.sigmaS = Color();
+      answer.emission = Color();
+      answer.lobeCount = 0;
+      checkCoefficients(answer, running_[lane].question, path);
+    }
+    if (hasLooks) {
+      if (const auto& look = lookOf(path, running_[lane])) answer.sigmaT *= look->factorAt(maximum(answer.sigmaT));
+    }
   }
 }
 

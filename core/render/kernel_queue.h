@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/render/path_context.h"
 #include "core/render/question_facts.h"
+#include "core/render/volume_look.h"
 #include "core/shading/batch.h"
 
 namespace aerosol::render {
@@ -66,6 +68,7 @@ class KernelQueues {
   void scatterExtinction(const Queue& queue, std::span<PathContext* const> paths);
   void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);
   void scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths);
+  const std::optional<VolumeLook>& lookOf(const PathContext& path, const PendingQuestion& from) const;
   void checkCoefficients(volume::Coefficients& answer, std::uint32_t index, PathContext& path);
   void count(const Queue& queue, int points, int width, std::uint64_t nanoseconds);
 

@@ -1,6 +1,7 @@
 #include "core/render/light_set.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace aerosol::render {
 
@@ -10,9 +11,21 @@ constexpr double equalShare = 0.1;
 
 }  // namespace
 
-LightSet::LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius) : lights_(std::move(lights)) {
+LightSet::LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius)
+    : lights_(std::make_move_iterator(lights.begin()), std::make_move_iterator(lights.end())) {
+  if (gather(sceneRadius) > few) plantTree();
+}
+
+LightSet::LightSet(const LightSet& all, const std::vector<bool>& chosen, float sceneRadius)
+    : lights_(all.lights_), chosen_(chosen) {
+  // Whether lights are chosen in parts must not differ: densities of both sets are compared.
+  if (gather(sceneRadius) > 0 && !all.tree_.isEmpty()) plantTree();
+}
+
+std::size_t LightSet::gather(float sceneRadius) {
   std::size_t parts = 0;
   for (std::uint32_t i = 0; i < lights_.size(); ++i) {
+    if (!contains(i)) continue;
     if (lights_[i]->isInfinite() && !lights_[i]->isDelta()) infinite_.push_back(i);
     if (!(maximum(abs(lights_[i]->power(sceneRadius))) > 0)) continue;
     single_.push_back(i);
@@ -22,7 +35,7 @@ LightSet::LightSet(std::vector<std::unique_ptr<const Light>> lights, float scene
       parts += lights_[i]->partCount();
     }
   }
-  if (parts > few) plantTree();
+  return parts;
 }
 
 void LightSet::plantTree() {

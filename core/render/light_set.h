@@ -46,8 +46,12 @@ class LightSet {
   LightSet() = default;
   /// `sceneRadius` bounds the scene for the power of lights at infinity.
   LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius);
+  /// Some of the lights of another set, by index, which keep their indices and, of many, their parts.
+  LightSet(const LightSet& all, const std::vector<bool>& chosen, float sceneRadius);
 
+  /// Of a set of some lights, that of all.
   std::size_t size() const { return lights_.size(); }
+  bool contains(std::uint32_t index) const { return chosen_.empty() || chosen_[index]; }
   const Light& operator[](std::uint32_t index) const { return *lights_[index]; }
   /// Indices of the lights that a ray may see which leaves the scene.
   std::span<const std::uint32_t> infinite() const { return infinite_; }
@@ -82,13 +86,16 @@ class LightSet {
   bool hasVolumes() const { return !volumes_.empty(); }
 
  private:
+  /// Sorts the lights. How many parts those have that are somewhere.
+  std::size_t gather(float sceneRadius);
   void plantTree();
   /// Of the lights in `single_`, then of the tree.
   double importance(std::size_t candidate, Point<World> from) const;
   std::size_t candidateCount() const { return single_.size() + (tree_.isEmpty() ? 0 : 1); }
   double probabilityOf(std::size_t candidate, Point<World> from) const;
 
-  std::vector<std::unique_ptr<const Light>> lights_;
+  std::vector<std::shared_ptr<const Light>> lights_;
+  std::vector<bool> chosen_;  ///< By index; empty: all.
   std::vector<std::uint32_t> infinite_;
   std::vector<std::uint32_t> single_;   ///< Lights with power that are weighed one by one.
   std::vector<std::uint32_t> volumes_;  ///< Media that glow; among `single_`.

@@ -137,6 +137,7 @@ MediumRanges::MediumRanges(const PreparedScene& scene, const volume::Medium& med
       shader_(scene.mediumShaders[medium.index]),
       family_(scene.shading.family(shader_)),
       velocity_(scene.velocityOf(medium.index)),
+      look_(scene.lookOf(medium.index)),
       threads_(std::max(1, threads)) {}
 
 MediumRanges::~MediumRanges() = default;
@@ -294,6 +295,7 @@ void MediumRanges::prove(std::span<const Box<Object>> boxes, std::span<volume::B
       knowledge[i] = knowledgeFrom(context.bounds[i - first]);
       // Only what is proven may be left out.
       if (areDeclared()) knowledge[i].isEmpty = knowledge[i].isUniform = false;
+      if (look_) look_->apply(knowledge[i]);
     }
   });
 }
@@ -326,8 +328,9 @@ void MediumRanges::sample(std::span<const Box<Object>> boxes, int pointsPerBox, 
               box = {std::numeric_limits<float>::infinity(), 0, 0};
               double sum = 0;
               for (std::size_t k = (i - first) * perBox; k < (i - first + 1) * perBox; ++k) {
-                const Color sigmaT(soundValue(context.batch.output(0)[k]), soundValue(context.batch.output(1)[k]),
-                                   soundValue(context.batch.output(2)[k]));
+                Color sigmaT(soundValue(context.batch.output(0)[k]), soundValue(context.batch.output(1)[k]),
+                             soundValue(context.batch.output(2)[k]));
+                if (look_) sigmaT *= look_->factorAt(maximum(sigmaT));
                 box.low = std::min(box.low, minimum(sigmaT));
                 box.high = std::max(box.high, maximum(sigmaT));
                 sum += static_cast<double>(maximum(sigmaT));
@@ -346,7 +349,8 @@ volume::Coefficients MediumRanges::at(Point<Object> point) {
   points.bind(family_, shading::Variant::coefficients);
   points.push(place, shader_.index);
   context->batch.run(context->host, points, 0);
-  const volume::Coefficients coefficients = readCoefficients(context->batch, 0);
+  volume::Coefficients coefficients = readCoefficients(context->batch, 0);
+  if (look_) look_->apply(coefficients);
   context->host.records().clear();
   giveBack(std::move(context));
   return coefficients;

@@ -52,6 +52,7 @@ class MediumRanges final : public volume::BoundSource {
   shading::InstanceRef shader_;
   const shading::Family& family_;
   const MediumVelocity* velocity_;  ///< Null where it does not move so.
+  const VolumeLook* look_;          ///< Null where the shader is left as it is.
   int threads_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Context>> free_;

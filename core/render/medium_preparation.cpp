@@ -38,15 +38,11 @@ auto askOnce(const PreparedScene& scene, const Question& question, Take take) {
 
 }  // namespace
 
-std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& scene, shading::InstanceRef shader) {
+std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& scene, const volume::Medium& medium) {
+  const shading::InstanceRef shader = scene.mediumShaders[medium.index];
   const shading::Family& family = scene.shading.family(shader);
   if (!family.kernel(shading::Variant::coefficients).interface().isConstant()) return {};
   if (family.instances[shader.index].motion && shading::usesPlaceBeyondP(*family.program)) return {};
-  volume::Medium medium;
-  for (std::size_t i = 0; i < scene.mediumShaders.size(); ++i) {
-    const shading::InstanceRef& each = scene.mediumShaders[i];
-    if (each.family == shader.family && each.index == shader.index) medium.index = static_cast<std::uint32_t>(i);
-  }
   const Question question{&medium, volume::Quantity::coefficients, {}, {}, nullptr};
   return askOnce(scene, question,
                  [&](PathContext& path, const WorkerStatistics& statistics) -> std::optional<volume::Coefficients> {
@@ -87,9 +83,10 @@ namespace {
 
 /// Coefficients of a medium that are the same wherever it is: its shader reads nothing that varies, or what it reads
 /// turns out to make no difference.
-std::optional<volume::Coefficients> constantOf(const PreparedScene& scene, shading::InstanceRef shader,
+std::optional<volume::Coefficients> constantOf(const PreparedScene& scene, const volume::Medium& medium,
                                                MediumRanges& ranges, const MediumPlace& place) {
-  if (auto constant = constantCoefficients(scene, shader)) return constant;
+  if (auto constant = constantCoefficients(scene, medium)) return constant;
+  const shading::InstanceRef shader = scene.mediumShaders[medium.index];
   if (!place.domain || !place.staysInside) return ranges.uniformEverywhere();
   const shading::Instance& instance = scene.shading.family(shader).instances[shader.index];
   return ranges.uniformOver(volume::withRounding(*place.domain, instance.objectToWorld));
@@ -210,9 +207,9 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   const shading::Family& family = scene.shading.family(shader);
   const shading::Instance& instance = family.instances[shader.index];
   const float defaultStep = std::isfinite(place.extent) && place.extent > 0 ? place.extent / 100 : 1.0f;
-  medium.stepSize = sampling.stepSize.value_or(defaultStep) * integrator.stepScale;
+  medium.stepSize = sampling.stepSize.value_or(defaultStep) * integrator.stepScale * place.stepScale;
   MediumRanges ranges(scene, medium, threads);
-  medium.constant = constantOf(scene, shader, ranges, place);
+  medium.constant = constantOf(scene, medium, ranges, place);
   if (medium.constant) {
     medium.method = DistanceMethod::closedForm;
     medium.transmittance = TransmittanceMethod::closedForm;
@@ -220,7 +217,9 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
     scene.samplingReasons[medium.index] = describeDistances(medium, false);
     return errors;
   }
-  const std::optional<float> declared = sampling.densityBound ? sampling.densityBound : declaredBound(family, instance);
+  std::optional<float> declared = declaredBound(family, instance);
+  if (const VolumeLook* look = scene.lookOf(medium.index); declared && look) *declared *= look->largestFactor();
+  if (sampling.densityBound) declared = sampling.densityBound;
   const std::optional<float> everywhere = ranges.boundEverywhere();
   medium.bound = lowestBound(everywhere, declared, ranges.areDeclared());
   using scene::DistanceSampling;

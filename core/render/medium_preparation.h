@@ -10,7 +10,7 @@ namespace aerosol::render {
 
 /// The coefficients of a medium whose compiled shader reads nothing that varies; nothing otherwise. Results that are
 /// not sound (NaN, infinite, negative) make it count as varying, so that they are reported where they occur.
-std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& scene, shading::InstanceRef shader);
+std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& scene, const volume::Medium& medium);
 
 /// Weights of a surface shader's closures, when they do not vary.
 /// The closures of one point, outside of any render.
@@ -26,6 +26,7 @@ struct MediumPlace {
   float extent = 1;                   ///< Size, for the default step (a hundredth). World units.
   std::optional<Box<Object>> domain;  ///< Where most of it is, in its shader's space; nothing: unbounded.
   bool staysInside = false;           ///< It is nowhere else. (A surface may have holes.)
+  float stepScale = 1;
 };
 
 /// Fills in coefficients, bounds, method and step of a medium, on up to `threads` threads. An error when null

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "core/render/interior.h"
 #include "core/render/nesting.h"
 #include "core/render/prepared_scene.h"
+#include "core/render/surface_closures.h"
 #include "core/volume/trackers/homogeneous.h"
 #include "core/volume/trackers/null_scattering.h"
 #include "core/volume/trackers/ray_marching.h"
@@ -20,14 +22,16 @@ using volume::Segment;
 using volume::Task;
 
 void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const Medium* boundaryMedium,
-                  const volume::MediumStack& media) {
+                  const volume::MediumStack& media, const LinkedLights* links) {
   const PhaseScope phase(path.statistics().accel.phase, Phase::intervals);
   auto& boundary = path.mediumSpans.boundary();
   boundary.clear();
+  if (links) boundaryMedium = links->seen(boundaryMedium);
   if (boundaryMedium && t0 < t1) boundary.push_back({t0, t1, boundaryMedium});
   path.mediumSpans.clipped().clear();
   if (path.scene().nestsMedia && media.clipsVolumes()) path.mediumSpans.clipped().push_back({t0, t1, nullptr});
-  path.mediumSpans.begin(path.scene(), ray, t0, t1, path.spans, path.statistics().accel);
+  path.mediumSpans.begin(path.scene(), path.scene().volumesFor(path.rayTypes(), links), ray, t0, t1, path.spans,
+                         path.statistics().accel);
   path.segments.begin(path.mediumSpans);
 }
 
@@ -87,13 +91,27 @@ volume::RayStretches scatteringStretches(const PathContext& path, double t0, dou
                        path.scene().geometry->overlapDesign() == accel::OverlapDesign::partition;
   if (isWhole && t0 < end) stretches.add(t0, end);
   for (const accel::Span& span : path.spans) {
-    const Medium& medium = *path.scene().volumes[span.volume];
+    const Medium& medium = path.mediumSpans.mediumOf(span);
     const double a = std::max(span.t0, t0);
     end = std::min(end, a + reachOf(medium));
     const double b = std::min(span.t1, end);
-    if (medium.mayScatter && a < b) stretches.add(a, b);
+    if (medium.mayScatter && !medium.isHoldout && a < b) stretches.add(a, b);
   }
   return stretches;
+}
+
+const LinkedLights* commonLinks(const PathContext& path, const Medium* boundaryMedium) {
+  const PreparedScene& scene = path.scene();
+  if (scene.linkedLights.empty() || scene.geometry->overlapDesign() == accel::OverlapDesign::partition) return nullptr;
+  if (boundaryMedium && boundaryMedium->mayScatter) return nullptr;
+  std::optional<std::uint32_t> links;
+  for (const accel::Span& span : path.spans) {
+    const Medium& medium = path.mediumSpans.mediumOf(span);
+    if (!medium.mayScatter || medium.isHoldout) continue;
+    if (links.value_or(medium.lightLinks) != medium.lightLinks) return nullptr;
+    links = medium.lightLinks;
+  }
+  return links.value_or(0) == 0 ? nullptr : scene.linkedLights[*links - 1].get();
 }
 
 Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput, volume::GivenDistance* given,
@@ -134,49 +152,94 @@ Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color thr
 
 namespace {
 
-/// The medium behind a surface without effect of its own.
-const Medium* crossBoundary(PathContext& path, const accel::Interface& interface) {
+/// What the materials of the surfaces on the way say that let shadow rays pass.
+Task<> askStraightSurfaces(PathContext& path, Ray<World> ray) {
   const PreparedScene& scene = path.scene();
-  const PreparedObject& object = scene.objects[interface.key.object];
-  if (!scene.nestsMedia) return interface.entering ? object.interior : object.exterior;
-  path.shadowMedia.cross(boundaryInterior(scene, interface.key.object), interface.entering, path.statistics().media);
-  const volume::Interior* ruling = path.shadowMedia.ruling();
-  return ruling ? path.mediumAlongShadow(*ruling) : object.exterior;
+  path.straight.clear();
+  for (std::size_t i = 0; i < path.interfaces.size(); ++i) {
+    const accel::HitKey key = path.interfaces[i].key;
+    const PreparedObject& object = scene.objects[key.object];
+    PathContext::StraightCrossing crossing{Color(1.0f), {}};
+    if (!object.isBoundary) {
+      const shading::ShadingPoint point = shadingPointOf(scene.geometry->hitAt(ray, key), ray);
+      const SurfaceAnswer& answer = co_await path.shade(object.material, point);
+      crossing.through = Color();
+      for (std::uint32_t site = 0; site < answer.siteCount; ++site) {
+        const Closure* const closure = object.closures[site];
+        if (closure && closure->kind() == ClosureKind::transparent) crossing.through += answer.sites[site].weight;
+      }
+      if (!isFinite(crossing.through)) crossing.through = Color();
+      crossing.interior = interiorOf(scene, key.object, answer);
+    }
+    path.straight.push_back(std::move(crossing));
+  }
 }
 
-/// Spans of all media between the ray's ends, surface-defined ones included.
-void collectSpans(PathContext& path, const Ray<World>& ray, const Medium* boundaryMedium,
-                  const volume::MediumStack& media) {
+/// Crosses a surface that does not stop light, on the path's shadow stack where media nest. Gives what the surface lets
+/// through; `medium` becomes the one behind it.
+Color crossInterface(PathContext& path, std::size_t index, const Medium*& medium) {
+  const PreparedScene& scene = path.scene();
+  const accel::Interface& interface = path.interfaces[index];
+  const PreparedObject& object = scene.objects[interface.key.object];
+  const bool isBoundary = object.isBoundary;
+  if (!scene.nestsMedia) {
+    medium = interface.entering ? object.interior : object.exterior;
+    path.wentStraight = path.wentStraight || !isBoundary;
+    return isBoundary ? Color(1.0f) : path.straight[index].through;
+  }
+  const std::optional<volume::Interior> interior =
+      isBoundary ? boundaryInterior(scene, interface.key.object) : path.straight[index].interior;
+  // A surface inside of a stronger medium is not there.
+  const bool isHit = !isBoundary && (!interior || path.shadowMedia.judge(*interior, interface.entering).isHit);
+  if (interior) path.shadowMedia.cross(*interior, interface.entering, path.statistics().media);
+  const volume::Interior* ruling = path.shadowMedia.ruling();
+  medium = ruling ? path.keepShadowMedium(*ruling) : object.exterior;
+  path.wentStraight = path.wentStraight || isHit;
+  return isHit ? path.straight[index].through : Color(1.0f);
+}
+
+/// Spans of all media between the ray's ends, surface-defined ones included. Gives what the surfaces on the way let
+/// through.
+Color collectSpans(PathContext& path, const Ray<World>& ray, const Medium* boundaryMedium,
+                   const volume::MediumStack& media) {
   auto &boundary = path.mediumSpans.boundary(), &clipped = path.mediumSpans.clipped();
   boundary.clear();
   clipped.clear();
   double begin = static_cast<double>(ray.tMin);
   const auto end = static_cast<double>(ray.tMax);
   const bool nests = path.scene().nestsMedia;
-  if (nests) path.shadowMedia = media;
+  if (nests) {
+    path.shadowMedia = media;
+    path.beginShadowMedia(path.interfaces.size());
+  }
   const auto add = [&](double t) {
     if (!(begin < t)) return;
     if (boundaryMedium) boundary.push_back({begin, t, boundaryMedium});
     if (nests && path.shadowMedia.clipsVolumes()) clipped.push_back({begin, t, nullptr});
   };
-  for (const accel::Interface& interface : path.interfaces) {
-    add(interface.key.t);
-    boundaryMedium = crossBoundary(path, interface);
-    begin = interface.key.t;
+  Color through(1.0f);
+  for (std::size_t i = 0; i < path.interfaces.size(); ++i) {
+    const double t = path.interfaces[i].key.t;
+    add(t);
+    through *= crossInterface(path, i, boundaryMedium);
+    begin = t;
   }
   add(end);
-  path.mediumSpans.begin(path.scene(), ray, static_cast<double>(ray.tMin), end, path.spans, path.statistics().accel);
+  path.mediumSpans.begin(path.scene(), path.scene().shadowVolumes, ray, static_cast<double>(ray.tMin), end, path.spans,
+                         path.statistics().accel);
+  return through;
 }
 
 }  // namespace
 
 Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Medium* boundaryMedium,
                                   const volume::MediumStack& media) {
-  Color transmittance(1.0f);
+  path.wentStraight = false;
   if (path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel)) co_return Color();
-  collectSpans(path, ray, boundaryMedium, media);
   path.setRay(ray);
   path.setRayTypes(shading::ray::shadow);
+  if (path.scene().shadowsPass) co_await askStraightSurfaces(path, ray);
+  Color transmittance = collectSpans(path, ray, boundaryMedium, media);
   HashSource random(path.random());
   for (MediumSpan span; !isBlack(transmittance) && path.mediumSpans.take(span);) {
     transmittance *= co_await volume::estimateTransmittance(span.medium->transmittance, path, ray, span, random);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/accel/scene.h"
+#include "core/render/linked_lights.h"
 #include "core/render/path_context.h"
 #include "core/volume/distance_sample.h"
 #include "core/volume/equiangular.h"
@@ -10,13 +11,17 @@
 namespace aerosol::render {
 
 /// Begins `path.segments`: what volume primitives (`path.spans`, as the ray's query left them) and the surface-defined
-/// medium around the ray say about [t0, t1]. Where media nest, `media` are those around it.
+/// medium around the ray say about [t0, t1]. Where media nest, `media` are those around it. The path knows the ray's
+/// type; `links` are those of the volume that it left by scattering.
 void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const volume::Medium* boundaryMedium,
-                  const volume::MediumStack& media);
+                  const volume::MediumStack& media, const LinkedLights* links = nullptr);
 
 /// Where media may scatter between t0 and t1, as far as a look at the same spans tells: a superset.
 volume::RayStretches scatteringStretches(const PathContext& path, double t0, double t1,
                                          const volume::Medium* boundaryMedium);
+
+/// The lights that light all of the same media alike; null where those are all lights, or differ from medium to medium.
+const LinkedLights* commonLinks(const PathContext& path, const volume::Medium* boundaryMedium);
 
 /// Where the numbers of a distance come from. The first few decide most: of a path's own rays they come from the
 /// stratified stream, which gives them `distanceSlots` slots.

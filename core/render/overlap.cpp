@@ -4,12 +4,21 @@
 
 namespace aerosol::render {
 
+namespace {
+
+/// Where the medium of a volume is empty, as far as is known; null where nothing is, or only at one time.
+const volume::BoundTree* emptinessOf(const volume::Medium& medium) {
+  return medium.constant || medium.motion ? nullptr : medium.tree;
+}
+
+}  // namespace
+
 void partitionVolumes(PreparedScene& scene) {
   if (scene.geometry->overlapDesign() != accel::OverlapDesign::partition) return;
   std::vector<Box<World>> occupied;
   for (accel::VolumeId i = 0; i < scene.volumes.size(); ++i) {
     Box<World> box = scene.geometry->volume(i).worldBounds();
-    if (const volume::BoundTree* tree = scene.volumes[i]->tree; tree && !scene.volumes[i]->constant) {
+    if (const volume::BoundTree* tree = emptinessOf(*scene.volumes[i])) {
       const Box<World> content = volume::occupiedBounds(*tree);
       for (int k = 0; k < 3; ++k) {
         box.lower[k] = std::max(box.lower[k], content.lower[k]);
@@ -19,8 +28,8 @@ void partitionVolumes(PreparedScene& scene) {
     occupied.push_back(box);
   }
   scene.geometry->refinePartition(occupied, [&](accel::VolumeId volume, const Box<World>& box) {
-    const volume::Medium& medium = *scene.volumes[volume];
-    return medium.tree && !medium.constant && volume::isEmptyIn(*medium.tree, box);
+    const volume::BoundTree* tree = emptinessOf(*scene.volumes[volume]);
+    return tree && volume::isEmptyIn(*tree, box);
   });
 }
 

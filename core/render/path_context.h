@@ -87,6 +87,7 @@ class PathContext {
   }
   /// What kind of ray it is (shading::ray).
   void setRayTypes(std::uint32_t types) { rayTypes_ = types; }
+  std::uint32_t rayTypes() const { return rayTypes_; }
   Vector<World> direction() const { return direction_; }
   float time() const { return time_; }
 
@@ -212,16 +213,27 @@ class PathContext {
     accel::SurfaceHit hit;
     volume::Interior interior;
   };
-  /// The medium of an interior along a shadow ray. Media that closures describe stay where they are as the ray goes on.
-  const volume::Medium* mediumAlongShadow(const volume::Interior& interior) {
+  /// Room for the media along a shadow ray that crosses so many surfaces.
+  void beginShadowMedia(std::size_t surfaces) {
+    shadowOwnMedia.clear();
+    shadowOwnMedia.reserve(surfaces);
+  }
+  /// The medium of an interior along a shadow ray. One that closures describe is kept as the ray goes on.
+  const volume::Medium* keepShadowMedium(const volume::Interior& interior) {
     if (interior.scene || !interior.own) return interior.scene;
-    if (const volume::Interior* own = media.interiorOf(interior.object); own && own->own) return &*own->own;
-    if (const volume::Interior* own = mediaBehind.interiorOf(interior.object); own && own->own) return &*own->own;
-    return nullptr;
+    return &shadowOwnMedia.emplace_back(*interior.own);
   }
 
-  std::vector<Face> faces;                ///< That coincide.
-  std::vector<accel::SurfaceHit> probed;  ///< Above where a path begins.
+  std::vector<Face> faces;  ///< That coincide.
+  /// A surface that does not stop a shadow ray, though others would meet it.
+  struct StraightCrossing {
+    Color through;                             ///< What it lets through.
+    std::optional<volume::Interior> interior;  ///< What is inside of it.
+  };
+  std::vector<StraightCrossing> straight;      ///< By interface, where some surface lets shadow rays pass.
+  bool wentStraight = false;                   ///< Whether the last shadow ray went through such a surface.
+  std::vector<volume::Medium> shadowOwnMedia;  ///< Along it.
+  std::vector<accel::SurfaceHit> probed;       ///< Above where a path begins.
 };
 
 }  // namespace aerosol::render

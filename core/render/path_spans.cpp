@@ -4,9 +4,9 @@
 
 namespace aerosol::render {
 
-void PathSpans::begin(const PreparedScene& scene, const Ray<World>& ray, double t0, double t1,
-                      std::span<const accel::Span> found, accel::Counters& counters) {
-  media_ = scene.volumes;
+void PathSpans::begin(const PreparedScene& scene, std::span<const volume::Medium* const> media, const Ray<World>& ray,
+                      double t0, double t1, std::span<const accel::Span> found, accel::Counters& counters) {
+  media_ = media;
   nextBoundary_ = 0;
   hasRest_ = false;
   if (clipped_.size() == 1 && clipped_[0].t0 <= t0 && clipped_[0].t1 >= t1) {

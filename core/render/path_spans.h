@@ -18,9 +18,13 @@ class PathSpans final : public volume::SpanSource {
   /// Stretches without volume primitives, likewise; their media mean nothing.
   std::vector<volume::MediumSpan>& clipped() { return clipped_; }
 
-  /// `found` is what the ray's query gave; it stays until the last span was taken.
-  void begin(const PreparedScene& scene, const Ray<World>& ray, double t0, double t1,
-             std::span<const accel::Span> found, accel::Counters& counters);
+  /// `media` are those of the volumes, by accel::VolumeId. `found` is what the ray's query gave; it stays until the
+  /// last span was taken.
+  void begin(const PreparedScene& scene, std::span<const volume::Medium* const> media, const Ray<World>& ray, double t0,
+             double t1, std::span<const accel::Span> found, accel::Counters& counters);
+
+  /// Of a span among those that `begin` was given.
+  const volume::Medium& mediumOf(const accel::Span& span) const { return *media_[span.volume]; }
 
   /// In the order of t0; of spans that start together the surface-defined one first. Not for rays of which a part is
   /// clipped, and another not.

@@ -12,6 +12,7 @@
 #include "core/grid/grid_file.h"
 #include "core/lang/analysis.h"
 #include "core/render/interior.h"
+#include "core/render/light_linking.h"
 #include "core/render/media_probe.h"
 #include "core/render/medium_phase.h"
 #include "core/render/medium_preparation.h"
@@ -35,7 +36,8 @@ class Preparation {
         options_(options),
         warnings_(warnings),
         library_(makeLibrary()),
-        scene_(std::make_unique<PreparedScene>()) {
+        scene_(std::make_unique<PreparedScene>()),
+        links_(description, *scene_) {
     scene_->services = makeServices({searchPath(), options.textureMemory_MB});
   }
 
@@ -142,19 +144,15 @@ class Preparation {
   }
 
   void placeMedia() {
-    scene_->media.reserve(description_.volumes.size() + 2 * description_.shapes.size() + 1);
+    const std::size_t most = 3 * description_.volumes.size() + 2 * description_.shapes.size() + 1;
+    scene_->media.reserve(most + LightLinking::mostCopies(most));
     for (const scene::Volume& volume : description_.volumes) {
       const VolumeType* type = registry_.volume(volume.type);
       if (!type) {
         errors_.error(volume.origin.location, fmt::format("there is no volume of type '{}'", volume.type));
         continue;
       }
-      const auto motion = motionOf(volume.toWorld);
-      const Transform<World, Object> local = type->place(standing(volume, motion != nullptr));
-      const scene::MediumSampling sampling = description_.samplingOf(volume);
-      scene_->volumes.push_back(motion ? place(volume.medium, MovingPlace(motion, asObject(local)), sampling)
-                                       : place(volume.medium, local, sampling));
-      if (volume.velocity.isWanted() && scene_->volumes.back()) placeVelocity(volume, scene_->volumes.back()->index);
+      placeVolume(volume, *type);
     }
     for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
       const scene::Shape& shape = description_.shapes[i];
@@ -166,6 +164,62 @@ class Preparation {
     }
     if (description_.sensor.medium)
       scene_->cameraMedium = place(*description_.sensor.medium, scene::Placement<World, Object>());
+  }
+
+  /// A volume's medium, and more of it where shadow rays or the camera see another one.
+  void placeVolume(const scene::Volume& volume, const VolumeType& type) {
+    const auto look = lookOf(volume);
+    if (!look) errors_.append(look.errors());
+    const auto motion = motionOf(volume.toWorld);
+    const Transform<World, Object> local = type.place(standing(volume, motion != nullptr));
+    const scene::MediumSampling sampling = description_.samplingOf(volume);
+    const volume::Medium* const own = motion ? place(volume.medium, MovingPlace(motion, asObject(local)), sampling)
+                                             : place(volume.medium, local, sampling);
+    const scene::VolumeControls& controls = volume.controls;
+    const volume::Medium *onShadowRays = own, *fromCamera = own;
+    if (own && look) {
+      placements_[own->index].place.stepScale = controls.stepScale;
+      if (*look) setLook(*own, **look);
+      if (volume.velocity.isWanted()) placeVelocity(volume, own->index);
+      if (controls.shadowDensity != 1) {
+        VolumeLook seen = look->value_or(VolumeLook());
+        seen.density *= controls.shadowDensity;
+        seen.emission = 0;
+        onShadowRays = copyMedium(*own, seen);
+      }
+      if (controls.holdout) {
+        VolumeLook seen = look->value_or(VolumeLook());
+        seen.scattersAll = true;
+        fromCamera = copyMedium(*own, seen);
+        scene_->media[fromCamera->index].isHoldout = true;
+      }
+    }
+    scene_->volumes.push_back(own);
+    scene_->shadowVolumes.push_back(onShadowRays);
+    scene_->cameraVolumes.push_back(fromCamera);
+  }
+
+  void setLook(const volume::Medium& medium, const VolumeLook& look) {
+    scene_->looks.resize(scene_->media.size());
+    scene_->looks[medium.index] = look;
+  }
+
+  /// Another medium with the same shader in the same place.
+  const volume::Medium* copyMedium(const volume::Medium& medium, const VolumeLook& look) {
+    const std::uint32_t original = medium.index;
+    volume::Medium& copy = scene_->media.emplace_back(scene_->media[original]);
+    copy.index = static_cast<std::uint32_t>(scene_->media.size() - 1);
+    scene_->mediumShaders.push_back(shading::InstanceRef(scene_->mediumShaders[original]));
+    scene_->mediumLocations.push_back(SourceLocation(scene_->mediumLocations[original]));
+    scene_->mediumNames.push_back(std::string(scene_->mediumNames[original]));
+    placements_.push_back(Placement(placements_[original]));
+    if (const MediumVelocity* moves = scene_->velocityOf(original)) {
+      const MediumVelocity same = *moves;
+      scene_->velocities.resize(scene_->media.size());
+      scene_->velocities[copy.index] = same;
+    }
+    setLook(copy, look);
+    return &copy;
   }
 
   /// Finds the shader that gives a volume's velocity: the medium's own, or one that reads a grid.
@@ -321,6 +375,8 @@ class Preparation {
       describeMaterial(object);
       auto id = addShape(shape, object.isBoundary);
       if (!id) appendAt(shape.origin.location, id.errors());
+      if (id && object.passesShadows) builder_.letShadowsPass(*id);
+      scene_->shadowsPass = scene_->shadowsPass || object.passesShadows;
     }
   }
 
@@ -330,6 +386,22 @@ class Preparation {
       if (error.location.file.empty()) error.location = element;
       errors_.add(std::move(error));
     }
+  }
+
+  /// Whether light goes straight through: where the material asks for the kind of ray, may be transparent, and does not
+  /// have the parameter `straight_shadows` set to 0.
+  bool letsShadowsPass(const PreparedObject& object) const {
+    const auto isTransparent = [](const Closure* c) { return c && c->kind() == ClosureKind::transparent; };
+    if (std::none_of(object.closures.begin(), object.closures.end(), isTransparent)) return false;
+    const shading::Family& family = scene_->shading.family(object.material);
+    const auto& sites = family.kernel(shading::Variant::surface).interface().hostSites;
+    if (std::none_of(sites.begin(), sites.end(), [](const auto& s) { return s.function == "raytype"; })) return false;
+    const auto parameter = shading::findParameter(*family.program, "straight_shadows");
+    if (!parameter) return true;
+    const lang::ConstantValue* const value =
+        shading::valueOf(*family.program, family.instances[object.material.index], *parameter);
+    const auto* numbers = value ? std::get_if<std::vector<std::int32_t>>(value) : nullptr;
+    return !numbers || numbers->empty() || numbers->front() != 0;
   }
 
   /// Which closures the material's sites are, and whether it lets everything through.
@@ -351,6 +423,7 @@ class Preparation {
       if (object.closures[i] && object.closures[i]->kind() == ClosureKind::interior) scene_->nestsMedia = true;
     }
     if (errors_.hasErrors()) return;
+    object.passesShadows = letsShadowsPass(object);
     const std::optional<SurfaceAnswer> constant = constantClosures(*scene_, object.material);
     if (!constant) return;
     Color passing;
@@ -475,8 +548,12 @@ class Preparation {
       }
       Box<World> bounds = (*shape)->worldBounds();
       if (motion) bounds = placed(bounds, MovingPlace(motion).at(scene_->shutter.open));
-      placements_[scene_->volumes[i]->index].place = {
-          .extent = length(bounds.upper - bounds.lower), .domain = (*shape)->objectBounds(), .staysInside = true};
+      for (const volume::Medium* medium : {scene_->volumes[i], scene_->shadowVolumes[i], scene_->cameraVolumes[i]}) {
+        MediumPlace& place = placements_[medium->index].place;
+        place.extent = length(bounds.upper - bounds.lower);
+        place.domain = (*shape)->objectBounds();
+        place.staysInside = true;
+      }
       auto added =
           motion ? builder_.addVolume(std::move(*shape), MovingPlace(motion)) : builder_.addVolume(std::move(*shape));
       if (!added) {
@@ -518,6 +595,9 @@ class Preparation {
     // Without bounds kernels nothing is proven, and that is all: the programs themselves have been compiled.
     static_cast<void>(scene_->shading.compileBounds(*options_.compiler, {options_.target, false}));
     placeInteriors();
+    errors_.append(
+        links_.read([this](const volume::Medium& medium, const VolumeLook& look) { return copyMedium(medium, look); }));
+    if (errors_.hasErrors()) return;
     for (volume::Medium& medium : scene_->media) {
       const auto& motion = scene_->shading.instance(scene_->mediumShaders[medium.index]).motion;
       if (motion) medium.motion = &*motion;
@@ -604,6 +684,7 @@ class Preparation {
       }
       if (add(*shape.emitter, surface)) scene_->objects[i].light = static_cast<std::uint32_t>(lights.size() - 1);
     }
+    std::vector<std::uint32_t> glowing;
     for (const volume::Medium& medium : scene_->media) {
       const shading::InstanceRef shader = scene_->mediumShaders[medium.index];
       const std::optional<Box<Object>>& domain = placements_[medium.index].place.domain;
@@ -614,9 +695,13 @@ class Preparation {
         const auto& instance = scene_->shading.family(shader).instances[shader.index];
         glow = VolumeLight::make(*domain, instance.objectToWorld, medium.constant->emission);
       }
-      if (glow) lights.push_back(std::move(glow));
+      if (!glow) continue;
+      lights.push_back(std::move(glow));
+      glowing.push_back(medium.index);
     }
+    if (errors_.hasErrors()) return;
     scene_->lights = LightSet(std::move(lights), 0.5f * sceneExtent());
+    links_.makeSets(glowing, 0.5f * sceneExtent());
     scene_->phase = registry_.phase("henyey_greenstein");
   }
 
@@ -720,6 +805,7 @@ class Preparation {
   shading::GroupLibrary groups_;
   std::unique_ptr<PreparedScene> scene_;
   accel::SceneBuilder builder_;
+  LightLinking links_;
   std::vector<Placement> placements_;  ///< By medium index.
   Diagnostics errors_;
 };

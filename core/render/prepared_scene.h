@@ -12,8 +12,10 @@
 #include "core/render/closure.h"
 #include "core/render/filter.h"
 #include "core/render/light_set.h"
+#include "core/render/linked_lights.h"
 #include "core/render/message_log.h"
 #include "core/render/sample_stream.h"
+#include "core/render/volume_look.h"
 #include "core/shading/attributes.h"
 #include "core/shading/kernel_host.h"
 #include "core/shading/services.h"
@@ -32,6 +34,7 @@ struct PreparedObject {
   const volume::Medium* interior = nullptr;  ///< On the side away from the normal; null: vacuum.
   const volume::Medium* exterior = nullptr;
   std::optional<int> priority;           ///< Of the interior, where no closure describes one.
+  bool passesShadows = false;            ///< Its material has an answer of its own for shadow rays.
   bool clipsVolumes = false;             ///< The interior rules out volume primitives too.
   std::optional<std::uint32_t> light;    ///< Index of its area light.
   std::vector<const Closure*> closures;  ///< By closure site of the material's program.
@@ -70,9 +73,14 @@ struct PreparedScene {
   std::vector<std::vector<const Closure*>> siteClosures;        ///< By family, then closure site; null: none.
   std::vector<PreparedObject> objects;                          ///< By accel::ObjectId.
   std::vector<const volume::Medium*> volumes;                   ///< By accel::VolumeId.
+  std::vector<const volume::Medium*> cameraVolumes;             ///< The same as rays from the camera see them,
+  std::vector<const volume::Medium*> shadowVolumes;             ///< and as shadow rays do.
+  std::vector<std::optional<VolumeLook>> looks;                 ///< By medium index; empty when no volume has one.
+  std::vector<std::unique_ptr<LinkedLights>> linkedLights;      ///< Of media that not all lights light.
   Shutter shutter;
   bool changes = false;  ///< Something changes while the shutter is open: every path has a time of its own.
   const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.
+  bool shadowsPass = false;                      ///< Some material lets light through unbent, and says how much.
   bool nestsMedia = false;  ///< Some material says what is inside: paths keep a stack of interiors.
   volume::PriorityOrder priorityOrder = volume::PriorityOrder::higherWins;
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
@@ -95,6 +103,20 @@ struct PreparedScene {
   /// Null where a medium does not move so.
   const MediumVelocity* velocityOf(std::uint32_t medium) const {
     return medium < velocities.size() && velocities[medium] ? &*velocities[medium] : nullptr;
+  }
+  /// Null where the shader is left as it is.
+  const VolumeLook* lookOf(std::uint32_t medium) const {
+    return medium < looks.size() && looks[medium] ? &*looks[medium] : nullptr;
+  }
+  /// Null where all lights count.
+  const LinkedLights* linksOf(const volume::Medium& medium) const {
+    return medium.lightLinks == 0 ? nullptr : linkedLights[medium.lightLinks - 1].get();
+  }
+  const LightSet& lightsOf(const LinkedLights* links) const { return links ? links->lights : lights; }
+  /// The media of volumes for a ray of this type (shading::ray) from where `links` hold, by accel::VolumeId.
+  std::span<const volume::Medium* const> volumesFor(std::uint32_t rayTypes, const LinkedLights* links) const {
+    if (links) return links->volumes;
+    return rayTypes == shading::ray::camera ? cameraVolumes : volumes;
   }
 };
 

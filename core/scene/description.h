@@ -277,6 +277,19 @@ struct VelocityBlur {
   float factor() const { return scale * fps.value_or(1.0f); }
 };
 
+/// What an artist sets on a volume on top of its medium. Its lights are given by `lights`.
+struct VolumeControls {
+  float density = 1;        ///< Factor on extinction and scattering, at least 0.
+  Color color{1, 1, 1};     ///< Factor on scattering, from 0 to 1.
+  float emission = 1;       ///< Factor on emission, at least 0.
+  std::string densityRamp;  ///< "place: value; …": factor on extinction by the medium's extinction there.
+  std::string colorRamp;    ///< "place: r g b; …": factor on scattering, likewise.
+  float stepScale = 1;      ///< Factor on the ray marching step, > 0.
+  float shadowDensity = 1;  ///< Factor on extinction along shadow rays, at least 0.
+  bool holdout = false;     ///< The camera sees a hole where the volume is.
+  std::string lights;       ///< Ids of what lights it, with commas; empty: all; "none".
+};
+
 /// An additive volume primitive without boundary.
 struct Volume {
   std::string type;
@@ -285,6 +298,7 @@ struct Volume {
   Index medium = 0;
   MediumSampling sampling;  ///< Goes before the medium's own.
   VelocityBlur velocity;
+  VolumeControls controls;
   std::vector<NamedValue> attributes;  ///< For shaders that ask: "user:…".
   Origin origin;
 

@@ -198,9 +198,45 @@ const std::vector<Field<VelocityBlur>>& velocityFields() {
   return fields;
 }
 
+namespace {
+
+template <auto pointer>
+Field<Volume> control(ParameterSpec spec) {
+  Field<VolumeControls> inner = field<pointer>(std::move(spec));
+  return {std::move(inner.spec),
+          [set = std::move(inner.set)](Volume& volume, const Value& value) { return set(volume.controls, value); }};
+}
+
+}  // namespace
+
 const std::vector<Field<Volume>>& volumeFields() {
-  static const std::vector<Field<Volume>> fields = {field<&Volume::toWorld>(
-      {.name = "to_world", .doc = "the primitive's own space to world", .defaultText = "identity"})};
+  static const std::vector<Field<Volume>> fields = {
+      field<&Volume::toWorld>(
+          {.name = "to_world", .doc = "the primitive's own space to world", .defaultText = "identity"}),
+      control<&VolumeControls::density>(
+          {.name = "density", .doc = "factor on the medium's extinction and scattering", .range = Range::atLeast(0)}),
+      control<&VolumeControls::color>({.name = "color", .doc = "factor on the medium's scattering, from 0 to 1"}),
+      control<&VolumeControls::emission>(
+          {.name = "emission", .doc = "factor on the medium's emission", .range = Range::atLeast(0)}),
+      control<&VolumeControls::densityRamp>(
+          {.name = "density_ramp",
+           .doc = "factor on extinction and scattering, by the medium's extinction there: \"0: 0; 2: 0.5; 10: 1\"",
+           .defaultText = "none"}),
+      control<&VolumeControls::colorRamp>(
+          {.name = "color_ramp",
+           .doc = "factor on scattering, by the medium's extinction there: \"0: 1 0.9 0.8; 10: 0.4 0.3 0.2\"",
+           .defaultText = "none"}),
+      control<&VolumeControls::stepScale>(
+          {.name = "step_scale", .doc = "factor on the ray marching step", .range = Range::positive()}),
+      control<&VolumeControls::shadowDensity>(
+          {.name = "shadow_density", .doc = "factor on extinction as shadow rays see it", .range = Range::atLeast(0)}),
+      control<&VolumeControls::holdout>(
+          {.name = "holdout", .doc = "what the camera sees of the volume is a hole: black, without coverage"}),
+      control<&VolumeControls::lights>(
+          {.name = "lights",
+           .doc =
+               "ids of what lights it (emitters, shapes that emit, volumes that glow), with commas between; \"none\"",
+           .defaultText = "all"})};
   return fields;
 }
 

@@ -47,6 +47,8 @@ struct Medium {
   float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
   bool mayScatter = true;                                   ///< False where it is known that it nowhere does.
   bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
+  bool isHoldout = false;                ///< A path from the camera that scatters here ends, as if nothing was there.
+  std::uint32_t lightLinks = 0;          ///< Which lights light it (the renderer's key); 0: all.
   const PhaseFunction* phase = nullptr;  ///< Of all lobes, whatever their anisotropy; null: Henyey–Greenstein with it.
 
   /// The medium as one leaf, without its tree. A bound of 0 that nobody proved is not taken at its word: emission, and

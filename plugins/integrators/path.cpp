@@ -44,7 +44,9 @@ struct PathState {
   DirectionRecord direction;                  ///< How the ray's direction was found.
   const Medium* boundaryMedium = nullptr;     ///< Surface-defined medium around the ray.
   std::optional<accel::SurfaceHit> touching;  ///< A surface right where the ray begins, to be met first.
-  int length = 1;                             ///< Segments so far, this ray's included.
+  bool lightsReach = false;  ///< Since lights were sampled the path has only gone through what lets shadow
+                             ///< rays pass straight.
+  int length = 1;            ///< Segments so far, this ray's included.
   std::uint32_t rayTypes = shading::ray::camera;
 };
 
@@ -69,16 +71,17 @@ LightsAlongRay lightsAlongRay(const PathContext& path, const PathState& state, d
   const PreparedScene& scene = path.scene();
   if (scene.lights.placed().empty() || scene.media.empty()) return {};
   const bool chooses = scene.path.equiangular && state.length != scene.path.maxDepth;
-  return {scene.lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), chooses};
+  const LightSet& lights = scene.lightsOf(commonLinks(path, state.boundaryMedium));
+  return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), chooses};
 }
 
 /// Light that reaches the ray at a place chosen for it.
 Task<Color> lightAlongRay(PathContext& path, const PathState& state, const LightsAlongRay& lights,
                           const LightsAlongRay::Choice& choice, const volume::DistanceSample& found) {
-  if (found.event != DistanceEvent::scattered) co_return Color();
+  if (found.event != DistanceEvent::scattered || found.medium->isHoldout) co_return Color();
   const PlaceOnRay place{lights, found.t, found.choicePdf};
-  const MediumVertex vertex(path.scene().phaseOf(*found.medium), state.ray, place, found.anisotropy,
-                            state.boundaryMedium, path.media);
+  const MediumVertex vertex(path.scene(), *found.medium, state.ray, place, found.anisotropy, state.boundaryMedium,
+                            path.media);
   const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time);
   path.setRay(state.ray);
   path.setRayTypes(state.rayTypes);
@@ -90,14 +93,14 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
                            const volume::DistanceSample& event) {
   const PreparedScene& scene = path.scene();
   const PlaceOnRay place{lights, event.t, event.choicePdf};
-  const MediumVertex vertex(scene.phaseOf(*event.medium), state.ray, place, event.anisotropy, state.boundaryMedium,
-                            path.media);
+  const MediumVertex vertex(scene, *event.medium, state.ray, place, event.anisotropy, state.boundaryMedium, path.media);
   if (state.length == scene.path.maxDepth) co_return false;
   beginVertex(path, state.length);
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
-  state.direction = {vertex.position(), next.pdf, next.isDelta, place};
+  state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links()};
   state.rayTypes = shading::ray::diffuse;
+  state.lightsReach = true;
   continueFrom(state, vertex.position(), next.direction, Color(next.weight));
   co_return true;
 }
@@ -176,8 +179,9 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   } else if (!scene.nestsMedia) {
     behind = hit.entering ? object.interior : object.exterior;
   }
+  const bool lightsPassed = state.lightsReach && object.passesShadows;
   const SurfaceVertex vertex(hit, closures.mix(), {state.boundaryMedium, path.media},
-                             {behind, nesting.isInterface ? path.mediaBehind : path.media});
+                             {behind, nesting.isInterface ? path.mediaBehind : path.media}, lightsPassed);
   radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
   ClosureUniforms uniforms;
   uniforms.place = path.random().next2D();
@@ -187,7 +191,11 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   const Vector<World> before = state.ray.direction;
   const bool crosses = dot(next->direction, hit.geometricNormal) * dot(before, hit.geometricNormal) > 0;
   state.rayTypes = rayTypeAfter(*next, crosses, state.rayTypes);
-  state.direction = {hit.point, next->pdf, next->isDelta, {}};
+  // Light from behind such a surface came straight to where lights were sampled last; bent light is not to be added.
+  const bool isReplaced = lightsPassed && crosses;
+  state.lightsReach = !next->isDelta || isReplaced;
+  state.direction = {
+      .from = hit.point, .pdf = next->pdf, .isDelta = next->isDelta || isReplaced, .isReplaced = isReplaced};
   continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight);
   if (crosses && nesting.isInterface) {
     goBehind(path, state, nesting);
@@ -226,9 +234,9 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     }
     const double begin = isTouching ? 0 : passed ? passed->t : static_cast<double>(state.ray.tMin);
     const double end = hit ? hit->t : static_cast<double>(state.ray.tMax);
-    findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media);
     path.setRay(state.ray);
     path.setRayTypes(state.rayTypes);
+    findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media, state.direction.links);
     const LightsAlongRay lights = lightsAlongRay(path, state, begin, end);
     beginRay(path, state.length);
     const auto lit = lights.chooses() ? lights.choose(path.random().next2D()) : std::nullopt;
@@ -248,6 +256,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     if (event.event == DistanceEvent::absorbed) break;
 
     if (event.event == DistanceEvent::scattered) {
+      if (event.medium->isHoldout) break;
       radiance.alpha = 1;
       passed.reset();
       goesOn = co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state);

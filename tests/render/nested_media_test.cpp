@@ -222,6 +222,25 @@ TEST(OpenSurfaces, AreCounted) {
   EXPECT_TRUE(shows(scene, *film, [](const Ray<World>&) { return skyColor; }));
 }
 
+/// A white floor behind a slab of coloured glass, lit through it by a directional light.
+TEST(StraightShadows, OnlyWhereTheMaterialAsks) {
+  for (const int asks : {0, 1}) {
+    const TestScene scene =
+        loadScene(R"(<integer name="max_depth" value="2"/>)", {.origin = "0, 0, 1.5", .target = "0, 0, 5", .fov = 20},
+                  fmt::format(R"(
+      <emitter type="directional"><vector name="direction" x="0" y="0" z="1"/><rgb name="irradiance" value="3.14159265"/></emitter>
+      <shape type="cube"><transform name="to_world"><scale x="30" y="30" z="1"/></transform>
+      <bsdf type="dielectric"><float name="transmission_depth" value="1"/><rgb name="transmission_color" value="0.5, 0.8, 0.9"/>
+      <rgb name="specular_transmittance" value="0.9"/><integer name="straight_shadows" value="{}"/></bsdf></shape>
+      <shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><scale value="50"/><translate z="5"/></transform>
+      <bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></shape>)",
+                              asks));
+    EXPECT_TRUE(shows(scene, *scene.render(16), [&](const Ray<World>&) {
+      return asks == 1 ? Color(0.25f, 0.64f, 0.81f) * 0.81f : Color();
+    })) << asks;
+  }
+}
+
 /// A rough boundary lit through itself: shadow rays that begin behind it know what is there.
 TEST(ShadowsBehindSurfaces, CrossTheMediaThatAreThere) {
   // A ball of coloured liquid with a rough surface holds a bubble of nothing, bounded by a null surface. Light that

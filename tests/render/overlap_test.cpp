@@ -49,6 +49,32 @@ TEST(OverlapDesigns, AreChosenByTheOverlap) {
   EXPECT_EQ(many.scene()->geometry->overlapDesign(), accel::OverlapDesign::partition);
 }
 
+/// What moves is where it is at each path's time, whatever is empty at another one.
+TEST(OverlapDesigns, LeaveOutNothingThatMoves) {
+  std::string content = sky;
+  for (int i = 0; i < 6; ++i) {
+    content += fmt::format(R"(<volume type="box"><animation name="to_world">
+        <transform time="0"><scale value="0.5"/><translate x="-0.8" y="{0}"/></transform>
+        <transform time="1"><scale value="0.5"/><translate x="{1}" y="{0}"/></transform></animation>
+        <medium type="puff"><float name="density" value="0.8"/></medium></volume>)",
+                           0.15 * i - 0.4, i % 2 == 0 ? 0.8 : -0.8);
+  }
+  content = R"(<sensor type="perspective"><float name="shutter_close" value="1"/><transform name="to_world">
+      <lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform><float name="fov" value="30"/>
+      <film type="hdrfilm"><integer name="width" value="12"/><integer name="height" value="12"/><rfilter type="box"/></film>
+      <sampler type="independent"/></sensor>)" +
+            content;
+  const auto load = [&](const char* design) {
+    const std::string integrator =
+        fmt::format(R"(<integrator type="path"><string name="overlap" value="{}"/></integrator>)", design);
+    return TestScene(R"(<scene version="3.0.0">)" + integrator + content + "</scene>",
+                     {.shaderFolder = shaderFolder()});
+  };
+  const TestScene split = load("split"), partition = load("partition");
+  ASSERT_TRUE(split.scene() && partition.scene());
+  EXPECT_TRUE(identical(*split.render(16), *partition.render(16)));
+}
+
 /// Scripted balls in boxes: bounds prove the corners empty, and a partition leaves them out.
 TEST(OverlapDesigns, EmptyPartsAreLeftOut) {
   std::string content = sky;
