@@ -170,13 +170,46 @@ float splineinverse(string basis, float v, float y[]) { return splineinverse(bas
 // Gabor noise (Lagae, Lefebvre, Drettakis and Dutre 2009, "Procedural noise using sparse Gabor convolution"; Lagae and
 // Drettakis 2011 for solids). In every cell of a grid, a Poisson number of impulses with random places, directions and
 // phases; a Gaussian of width 1 / a times a cosine of frequency 2 for each within reach.
+//
+// Over the footprint of a shading sample (Lagae and Drettakis 2011, "Filtering solid Gabor noise") the kernel's slice by
+// the plane of px and py is convolved with the image of a Gaussian whose standard deviation is half a sample: its
+// covariance is S = (px px' + py py') / 4. Both are Gaussians in the frequencies w as well, and so is their product. With
+// K = I + 2 pi a^2 S it has the frequency K^-1 w, the weight exp(-pi (w.w - w.K^-1 w) / a^2) / sqrt(det K), and in the
+// plane the width a / (det K)^(1/4), for which the paper, too, takes the mean of the two axes. K is the identity along
+// the plane's normal, so that it serves in space as it is, and a frame in the plane is not needed.
+struct aerosol_gabor_footprint {
+  int seen;        // Is it wide enough to matter?
+  vector away;     // Normal of the plane.
+  vector x, y, z;  // Rows of K^-1.
+  float narrow;    // 1 / sqrt(det K)
+};
+aerosol_gabor_footprint aerosol_gabor_footprint_of(vector px, vector py, float a) {
+  aerosol_gabor_footprint result;
+  vector away = cross(px, py);
+  result.seen = dot(away, away) >= 1e-6;
+  if (result.seen) {
+    result.away = normalize(away);
+    float f = M_PI_2 * a * a;
+    float xx = 1 + f * (px[0] * px[0] + py[0] * py[0]), xy = f * (px[0] * px[1] + py[0] * py[1]);
+    float yy = 1 + f * (px[1] * px[1] + py[1] * py[1]), yz = f * (px[1] * px[2] + py[1] * py[2]);
+    float zz = 1 + f * (px[2] * px[2] + py[2] * py[2]), zx = f * (px[2] * px[0] + py[2] * py[0]);
+    vector x = vector(yy * zz - yz * yz, yz * zx - xy * zz, xy * yz - yy * zx);
+    vector y = vector(x[1], xx * zz - zx * zx, xy * zx - xx * yz), z = vector(x[2], y[2], xx * yy - xy * xy);
+    float scale = 1 / dot(x, vector(xx, xy, zx));
+    result.x = scale * x;
+    result.y = scale * y;
+    result.z = scale * z;
+    result.narrow = sqrt(scale);
+  }
+  return result;
+}
 float aerosol_gabor_random(output int state) {
   state *= -1255789435;
   float x = state * 2.3283064365386963e-10;
   return x < 0 ? x + 1 : x;
 }
 float aerosol_gabor_cell(point at, int x, int y, int z, int seed, float mean, float radius, float a, int anisotropic,
-                         vector direction) {
+                         vector direction, aerosol_gabor_footprint footprint) {
   int state = aerosol_hash(x, y, z, seed);
   if (state == 0) state = 1;
   int count = 0;
@@ -199,16 +232,27 @@ float aerosol_gabor_cell(point at, int x, int y, int z, int seed, float mean, fl
     }
     float phase = M_2PI * aerosol_gabor_random(state);
     float square = dot(offset, offset);
-    if (square < radius * radius) sum += exp(-M_PI * a * a * square) * cos(M_2PI * dot(omega, offset) + phase);
+    if (square < radius * radius) {
+      float weight = 1, decay = a * a * square;
+      if (footprint.seen) {
+        vector seen = vector(dot(footprint.x, omega), dot(footprint.y, omega), dot(footprint.z, omega));
+        float height = dot(footprint.away, offset);
+        weight = footprint.narrow;
+        decay = a * a * (height * height + weight * (square - height * height)) + dot(omega, omega - seen) / (a * a);
+        omega = seen;
+      }
+      sum += weight * exp(-M_PI * decay) * cos(M_2PI * dot(omega, offset) + phase);
+    }
   }
   return sum;
 }
 float aerosol_gabor(point p, int periodic, point period, int seed, int anisotropic, vector direction, float bandwidth,
-                    float impulses) {
+                    float impulses, vector px, vector py) {
   float octaves = exp2(clamp(bandwidth, 0.01, 100.0));
   float a = 2 * ((octaves - 1) / (octaves + 1)) * sqrt(M_PI / M_LN2);
   float radius = sqrt(-log(0.02) / M_PI) / a;
   float mean = clamp(impulses, 1.0, 32.0) / (4 * M_PI / 3);
+  aerosol_gabor_footprint footprint = aerosol_gabor_footprint_of(px, py, a);
   point grid = p / radius;
   point cell = floor(grid), within = grid - cell;
   float sum = 0;
@@ -218,7 +262,7 @@ float aerosol_gabor(point p, int periodic, point period, int seed, int anisotrop
         point place = cell + vector(i, j, k);
         if (periodic) place = mod(place, max(floor(period), point(1)));
         sum += aerosol_gabor_cell(within - vector(i, j, k), (int)place[0], (int)place[1], (int)place[2], seed, mean,
-                                  radius, a, anisotropic, direction);
+                                  radius, a, anisotropic, direction, footprint);
       }
     }
   }
@@ -227,10 +271,10 @@ float aerosol_gabor(point p, int periodic, point period, int seed, int anisotrop
   return sum / sqrt(density) * (0.5 / (3 * sqrt(variance)));
 }
 vector aerosol_gabor_triple(point p, int periodic, point period, int anisotropic, vector direction, float bandwidth,
-                            float impulses) {
-  return vector(aerosol_gabor(p, periodic, period, 0, anisotropic, direction, bandwidth, impulses),
-                aerosol_gabor(p, periodic, period, 1, anisotropic, direction, bandwidth, impulses),
-                aerosol_gabor(p, periodic, period, 2, anisotropic, direction, bandwidth, impulses));
+                            float impulses, vector px, vector py) {
+  return vector(aerosol_gabor(p, periodic, period, 0, anisotropic, direction, bandwidth, impulses, px, py),
+                aerosol_gabor(p, periodic, period, 1, anisotropic, direction, bandwidth, impulses, px, py),
+                aerosol_gabor(p, periodic, period, 2, anisotropic, direction, bandwidth, impulses, px, py));
 }
 
 // A linear ramp from 0 at low to 1 at high, whose corners are rounded by parabolas over a distance of eps.

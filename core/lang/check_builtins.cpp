@@ -64,7 +64,7 @@ void Checker::checkNoise(const Expression& expression, Call& call) {
   checkNoiseOptions(call, call.builtin->parameters.size());
   const bool isTriple = call.builtin->result.isTriple();
   call.function =
-      libraryFunction(isTriple ? "aerosol_gabor_triple" : "aerosol_gabor", isTriple ? 7 : 8, expression.position);
+      libraryFunction(isTriple ? "aerosol_gabor_triple" : "aerosol_gabor", isTriple ? 9 : 10, expression.position);
 }
 
 void Checker::checkNoiseOptions(const Call& call, std::size_t first) {

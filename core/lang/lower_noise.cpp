@@ -41,9 +41,11 @@ Value Lowerer::noiseCall(const std::string& kind, const Type& type, const std::v
 /// The options of a call of noise, or what they are when not given.
 std::vector<Value> Lowerer::lowerNoiseOptions(const Call& called) {
   const auto single = [&](const Constant& value) { return Value{value.type, {constant(value)}}; };
-  static constexpr std::array<std::string_view, 4> names = {"anisotropic", "direction", "bandwidth", "impulses"};
+  static constexpr std::array<std::string_view, 5> names = {"anisotropic", "direction", "bandwidth", "impulses",
+                                                            "do_filter"};
   std::vector<Value> options = {single(Constant::ofInt(0)), single({types::vector, std::vector<float>{1, 0, 0}}),
-                                single(Constant::ofFloat(1)), single(Constant::ofFloat(16))};
+                                single(Constant::ofFloat(1)), single(Constant::ofFloat(16)),
+                                single(Constant::ofInt(1))};
   for (std::size_t i = called.builtin->parameters.size(); i + 1 < called.arguments.size(); i += 2) {
     const auto& key = std::get<StringLiteral>(called.arguments[i]->node).value;
     const auto* known = std::find(names.begin(), names.end(), key);
@@ -55,6 +57,21 @@ std::vector<Value> Lowerer::lowerNoiseOptions(const Call& called) {
     option = protect(lowerTo(*called.arguments[i + 1], option.type), std::span(called.arguments).subspan(i + 2));
   }
   return options;
+}
+
+/// How the point changes to the samples beside it in x and y; zeros where the noise is not to be filtered.
+std::array<Value, 2> Lowerer::gaborFootprint(const Value& point, const Value& doFilter) {
+  std::array<Value, 2> sides = {zeroValue(types::vector), zeroValue(types::vector)};
+  const auto known = constantOf(doFilter.single());
+  if (known && known->asInt() == 0) return sides;
+  static constexpr std::array<const char*, 2> axes = {"dx", "dy"};
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const VariableId change = call(axes[i], types::vector, {point.single()});
+    const VariableId chosen =
+        known ? change : emit(Op::select, types::vector, {doFilter.single(), change, sides[i].single()});
+    sides[i] = {types::vector, {chosen}};
+  }
+  return sides;
 }
 
 Value Lowerer::gaborNoise(const Expression& expression, const Call& called, std::vector<Value> coordinates,
@@ -71,7 +88,8 @@ Value Lowerer::gaborNoise(const Expression& expression, const Call& called, std:
   arguments.push_back(periodic ? asPoint(each, each) : zeroValue(types::point));
   const Type type = called.builtin->result;
   if (!type.isTriple()) arguments.push_back(number(0));
-  arguments.insert(arguments.end(), options.begin(), options.end());
+  arguments.insert(arguments.end(), options.begin(), options.end() - 1);
+  for (Value& side : gaborFootprint(arguments[0], options.back())) arguments.push_back(std::move(side));
   Value result = inlineFunction(*called.function, std::move(arguments), expression.position);
   result.type = type;
   return result;

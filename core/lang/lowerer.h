@@ -1,6 +1,7 @@
 // Lowering's insides: shared by lower_*.cpp only.
 #pragma once
 
+#include <array>
 #include <initializer_list>
 #include <map>
 #include <optional>
@@ -165,6 +166,7 @@ class Lowerer {
   Value lowerSpline(const Expression& expression, const Call& call);
   Value gaborNoise(const Expression& expression, const Call& call, std::vector<Value> coordinates, bool periodic,
                    const std::vector<Value>& options);
+  std::array<Value, 2> gaborFootprint(const Value& point, const Value& doFilter);
   std::vector<Value> lowerNoiseOptions(const Call& call);
   Value noiseCall(const std::string& kind, const Type& type, const std::vector<Value>& coordinates, bool periodic);
   /// At most `count` of them.
