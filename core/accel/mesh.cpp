@@ -92,6 +92,19 @@ TriangleMesh makeRectangle(const Transform<World, Object>& toWorld) {
   return mesh;
 }
 
+namespace {
+
+/// The texture coordinates of a point of the cube, on the face across `axis` at `side`: as Mitsuba lays them, which
+/// keeps pictures upright nowhere but is what its scenes are made for.
+TexCoord onCube(int axis, float side, Point<World> p) {
+  const auto part = [](float x) { return 0.5f * (x + 1); };
+  if (axis == 0) return {part(p.y), part(side > 0 ? -p.z : p.z)};
+  if (axis == 1) return side > 0 ? TexCoord{part(-p.x), part(-p.z)} : TexCoord{part(p.z), part(p.x)};
+  return {part(side > 0 ? p.y : -p.y), part(p.x)};
+}
+
+}  // namespace
+
 TriangleMesh makeCube(const Transform<World, Object>& toWorld) {
   TriangleMesh mesh;
   for (int axis = 0; axis < 3; ++axis) {
@@ -104,7 +117,7 @@ TriangleMesh makeCube(const Transform<World, Object>& toWorld) {
       for (const TexCoord uv : {TexCoord{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
         mesh.positions.push_back(Point<World>() + normal + u * (2 * uv.u - 1) + v * (2 * uv.v - 1));
         mesh.normals.emplace_back(normal);
-        mesh.uvs.push_back(uv);
+        mesh.uvs.push_back(onCube(axis, side, mesh.positions.back()));
       }
       mesh.triangles.push_back({first, first + 1, first + 2});
       mesh.triangles.push_back({first, first + 2, first + 3});

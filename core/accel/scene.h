@@ -116,6 +116,9 @@ class SceneBuilder {
                              bool flipNormals = false);
   /// The unit disk in the xy plane, facing +z.
   Result<ObjectId> addDisk(const Transform<World, Object>& toWorld, bool passThrough = false, bool flipNormals = false);
+  /// The cylinder of radius 1 about the z axis from z = 0 to 1, without caps, facing away from its axis.
+  Result<ObjectId> addCylinder(const Transform<World, Object>& toWorld, bool passThrough = false,
+                               bool flipNormals = false);
   Result<VolumeId> addVolume(std::unique_ptr<const VolumeShape> volume);
   /// Shadow rays do not stop at the surface, though other rays meet it: they list it among their interfaces.
   void letShadowsPass(ObjectId object);
@@ -128,6 +131,8 @@ class SceneBuilder {
                              bool flipNormals = false);
   Result<ObjectId> addDisk(const MovingTransform<World, Object>& toWorld, bool passThrough = false,
                            bool flipNormals = false);
+  Result<ObjectId> addCylinder(const MovingTransform<World, Object>& toWorld, bool passThrough = false,
+                               bool flipNormals = false);
   Result<VolumeId> addVolume(std::unique_ptr<const VolumeShape> volume, const MovingTransform<World, Object>& toWorld);
 
   /// Builds the acceleration structure on all cores; the builder is empty afterwards.

@@ -258,6 +258,11 @@ Result<ObjectId> SceneBuilder::addDisk(const Transform<World, Object>& toWorld, 
   return addAnalytic(*data_, {AnalyticSurface::Kind::disk, 0, passThrough, flipNormals, toWorld});
 }
 
+Result<ObjectId> SceneBuilder::addCylinder(const Transform<World, Object>& toWorld, bool passThrough,
+                                           bool flipNormals) {
+  return addAnalytic(*data_, {AnalyticSurface::Kind::cylinder, 0, passThrough, flipNormals, toWorld});
+}
+
 namespace {
 
 /// Makes the last surface move.
@@ -276,6 +281,9 @@ Result<ObjectId> SceneBuilder::addSphere(const MovingPlacement& toWorld, bool pa
 }
 Result<ObjectId> SceneBuilder::addDisk(const MovingPlacement& toWorld, bool passThrough, bool flipNormals) {
   return setMotion(*data_, addDisk(Transform<World, Object>(), passThrough, flipNormals), toWorld);
+}
+Result<ObjectId> SceneBuilder::addCylinder(const MovingPlacement& toWorld, bool passThrough, bool flipNormals) {
+  return setMotion(*data_, addCylinder(Transform<World, Object>(), passThrough, flipNormals), toWorld);
 }
 Result<VolumeId> SceneBuilder::addVolume(std::unique_ptr<const VolumeShape> volume, const MovingPlacement& toWorld) {
   auto added = addVolume(std::move(volume));

@@ -71,7 +71,9 @@ Double3 toObject(const AnalyticSurface& surface, const DoubleRay& ray, double t)
 }
 
 Double3 objectNormal(const AnalyticSurface& surface, Double3 p) {
-  const Double3 normal = surface.kind == AnalyticSurface::Kind::sphere ? p : Double3{0, 0, 1};
+  const Double3 normal = surface.kind == AnalyticSurface::Kind::sphere ? p
+                         : surface.kind == AnalyticSurface::Kind::disk ? Double3{0, 0, 1}
+                                                                       : Double3{p.x, p.y, 0};
   return surface.flipNormals ? -normal : normal;
 }
 
@@ -101,12 +103,42 @@ void setDiskParameters(SurfaceHit& hit, const Matrix4& toWorld, Double3 p) {
   hit.dPdv = toFloat<Vector<World>>(mapVector(toWorld, {-2 * pi * p.y, 2 * pi * p.x, 0}));
 }
 
+/// u goes around, v from one end to the other.
+void setCylinderParameters(SurfaceHit& hit, const Matrix4& toWorld, Double3 p) {
+  hit.u = static_cast<float>(turn(p.x, p.y));
+  hit.v = static_cast<float>(p.z);
+  hit.dPdu = toFloat<Vector<World>>(mapVector(toWorld, {-2 * pi * p.y, 2 * pi * p.x, 0}));
+  hit.dPdv = toFloat<Vector<World>>(mapVector(toWorld, {0, 0, 1}));
+}
+
+/// From the point of closest approach to the axis, as for spheres.
+Crossings intersectCylinder(Double3 o, Double3 d) {
+  const double across = d.x * d.x + d.y * d.y;
+  if (!(across > 0)) return {};
+  const double closest = -(o.x * d.x + o.y * d.y) / across;
+  const double x = o.x + d.x * closest, y = o.y + d.y * closest;
+  const double inside = 1 - (x * x + y * y);
+  if (!(inside > 0)) return {};
+  const double half = std::sqrt(inside / across);
+  Crossings crossings;
+  for (const double t : {closest - half, closest + half}) {
+    const double z = o.z + d.z * t;
+    if (z >= 0 && z <= 1) crossings.t[crossings.count++] = t;
+  }
+  return crossings;
+}
+
 }  // namespace
 
 Box<World> AnalyticSurface::worldBounds() const {
   const Matrix4& m = toWorld.matrix();
   if (kind == Kind::sphere) return unitSphereBounds(m);
   const auto extent = [&](std::size_t i) { return std::sqrt(m[i][0] * m[i][0] + m[i][1] * m[i][1]); };
+  if (kind == Kind::cylinder) {
+    const auto middle = [&](std::size_t i) { return m[i][3] + 0.5 * m[i][2]; };
+    const auto reach = [&](std::size_t i) { return extent(i) + 0.5 * std::fabs(m[i][2]); };
+    return outwardBox({middle(0), middle(1), middle(2)}, {reach(0), reach(1), reach(2)});
+  }
   return outwardBox({m[0][3], m[1][3], m[2][3]}, {extent(0), extent(1), extent(2)});
 }
 
@@ -133,6 +165,7 @@ Crossings intersect(const AnalyticSurface& surface, const DoubleRay& ray) {
     const auto interval = intersectUnitSphere(o, d);
     return interval ? Crossings{{interval->t0, interval->t1}, 2} : Crossings{};
   }
+  if (surface.kind == AnalyticSurface::Kind::cylinder) return intersectCylinder(o, d);
   if (d.z == 0) return {};
   const double t = -o.z / d.z;
   const Double3 p = o + d * t;
@@ -170,8 +203,11 @@ SurfaceHit describeHit(const AnalyticSurface& surface, const DoubleRay& ray, dou
   Double3 p = toObject(surface, ray, t);
   if (surface.kind == AnalyticSurface::Kind::sphere) {
     p = normalize(p);
-  } else {
+  } else if (surface.kind == AnalyticSurface::Kind::disk) {
     p.z = 0;
+  } else {
+    const double radius = std::hypot(p.x, p.y);
+    p = {p.x / radius, p.y / radius, std::clamp(p.z, 0.0, 1.0)};
   }
   SurfaceHit hit;
   hit.t = t;
@@ -183,6 +219,8 @@ SurfaceHit describeHit(const AnalyticSurface& surface, const DoubleRay& ray, dou
   hit.geometricNormal = hit.shadingNormal = toFloat<Normal<World>>(normal);
   if (surface.kind == AnalyticSurface::Kind::sphere) {
     setSphereParameters(hit, forward, p);
+  } else if (surface.kind == AnalyticSurface::Kind::cylinder) {
+    setCylinderParameters(hit, forward, p);
   } else {
     setDiskParameters(hit, forward, p);
   }

@@ -21,9 +21,10 @@ struct MeshSurface {
   TriangleMesh mesh;
 };
 
-/// The unit sphere, or the unit disk in the xy plane facing +z, under an affine map.
+/// The unit sphere, the unit disk in the xy plane facing +z, or the open cylinder of radius 1 about the z axis from 0
+/// to 1, under an affine map.
 struct AnalyticSurface {
-  enum class Kind : std::uint8_t { sphere, disk };
+  enum class Kind : std::uint8_t { sphere, disk, cylinder };
 
   Kind kind = Kind::sphere;
   ObjectId object = 0;

@@ -9,6 +9,7 @@ std::optional<ClosureSample> Closure::sample(std::span<const float>, const Closu
   return {};
 }
 Color Closure::albedo(std::span<const float>, const ClosurePoint&) const { return {}; }
+float Closure::shadowing(std::span<const float>, Vector<World>) const { return 1; }
 Color Closure::emitted(std::span<const float>, const ClosurePoint&) const { return {}; }
 
 }  // namespace aerosol::render

@@ -16,7 +16,16 @@ enum class ClosureKind : unsigned char {
   scattering,   ///< Has a density over directions.
   transparent,  ///< Lets light pass straight on.
   emission,     ///< Emits and does not scatter.
-  interior      ///< Says what lies inside; scatters nothing itself.
+  interior,     ///< Says what lies inside; scatters nothing itself.
+  holdout,      ///< Takes its weight from the image's coverage.
+  shadowing     ///< On top of others: dims light by its direction (`Closure::shadowing`), scatters nothing itself.
+};
+
+/// What a closure promises; held by the tests over all of them.
+struct ClosureTraits {
+  bool isBounded = true;       ///< Never scatters more than arrives.
+  bool isReciprocal = true;    ///< f(a, b) / η_a² = f(b, a) / η_b².
+  bool hasExactAlbedo = true;  ///< `albedo` is more than an estimate where the surface is seen steeply.
 };
 
 /// Where a closure is asked. Unit vectors in world space.
@@ -58,6 +67,7 @@ class Closure {
   virtual std::string_view doc() const = 0;
   virtual std::span<const DescribedField> fields() const = 0;
   virtual ClosureKind kind() const = 0;
+  virtual ClosureTraits traits() const { return {}; }
 
   /// Bidirectional scattering function times |cos| between `toLight` and the shading normal; without delta parts.
   virtual Color evaluate(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const;
@@ -69,6 +79,8 @@ class Closure {
   /// The part of light that is scattered back or on, each channel in [0, 1]. An estimate is enough for choosing among
   /// closures, but what has a chance of scattering is not 0.
   virtual Color albedo(std::span<const float> parameters, const ClosurePoint& point) const;
+  /// What is left of light from a direction; of a closure of that kind.
+  virtual float shadowing(std::span<const float> parameters, Vector<World> toLight) const;
   /// Radiance towards the viewer.
   virtual Color emitted(std::span<const float> parameters, const ClosurePoint& point) const;
 };

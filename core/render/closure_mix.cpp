@@ -1,24 +1,27 @@
 #include "core/render/closure_mix.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace aerosol::render {
 
 ClosureMix::ClosureMix(std::span<const WeightedClosure> terms, const ClosurePoint& point)
     : terms_(terms), point_(point) {
-  for (const WeightedClosure& term : terms_) total_ += share(term);
-}
-
-float ClosureMix::share(const WeightedClosure& term) const {
-  if (term.closure->kind() == ClosureKind::emission) return 0;
-  return average(abs(term.weight) * term.closure->albedo(term.parameters, point_));
+  assert(terms.size() <= maximumTerms);
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    const WeightedClosure& term = terms_[i];
+    if (term.closure->kind() == ClosureKind::emission) continue;
+    shares_[i] = average(abs(term.weight) * term.closure->albedo(term.parameters, point_));
+    total_ += shares_[i];
+    sampled_ += shares_[i] > 0;
+  }
 }
 
 Color ClosureMix::evaluate(Vector<World> toLight) const {
   Color sum;
   for (const WeightedClosure& term : terms_) {
     if (term.closure->kind() == ClosureKind::scattering) {
-      sum += term.weight * term.closure->evaluate(term.parameters, point_, toLight);
+      sum += term.weight * term.closure->evaluate(term.parameters, point_, toLight) * term.shadow(toLight);
     }
   }
   return sum;
@@ -27,9 +30,8 @@ Color ClosureMix::evaluate(Vector<World> toLight) const {
 float ClosureMix::pdf(Vector<World> toLight) const {
   if (!(total_ > 0)) return 0;
   float sum = 0;
-  for (const WeightedClosure& term : terms_) {
-    const float part = share(term);
-    if (part > 0) sum += part / total_ * term.closure->pdf(term.parameters, point_, toLight);
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    if (shares_[i] > 0) sum += shares_[i] / total_ * terms_[i].closure->pdf(terms_[i].parameters, point_, toLight);
   }
   return sum;
 }
@@ -39,20 +41,20 @@ std::optional<ClosureSample> ClosureMix::sample(const ClosureUniforms& u) const 
   float rest = u.choice * total_;
   const WeightedClosure* chosen = nullptr;
   float part = 0;
-  for (const WeightedClosure& term : terms_) {
-    const float next = share(term);
-    if (!(next > 0)) continue;
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    if (!(shares_[i] > 0)) continue;
     if (chosen) rest -= part;
-    chosen = &term;
-    part = next;
+    chosen = &terms_[i];
+    part = shares_[i];
     if (rest < part) break;
   }
   const float probability = part / total_;
   const ClosureUniforms inner{std::clamp(rest / part, 0.0f, 0x1.fffffep-1f), u.place};
   std::optional<ClosureSample> sample = chosen->closure->sample(chosen->parameters, point_, inner);
   if (!sample) return {};
-  if (sample->isDelta) {
-    sample->weight = chosen->weight * sample->weight / probability;
+  // What only one could have returned is weighted by it alone.
+  if (sample->isDelta || sampled_ == 1) {
+    sample->weight = chosen->weight * sample->weight * (chosen->shadow(sample->direction) / probability);
     sample->pdf *= probability;
     return sample;
   }
@@ -72,6 +74,14 @@ Color ClosureMix::transparency() const {
   Color sum;
   for (const WeightedClosure& term : terms_) {
     if (term.closure->kind() == ClosureKind::transparent) sum += term.weight;
+  }
+  return sum;
+}
+
+Color ClosureMix::holdout() const {
+  Color sum;
+  for (const WeightedClosure& term : terms_) {
+    if (term.closure->kind() == ClosureKind::holdout) sum += term.weight;
   }
   return sum;
 }

@@ -1,6 +1,7 @@
 // A weighted sum of closures at one surface point.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 
@@ -13,12 +14,21 @@ struct WeightedClosure {
   const Closure* closure = nullptr;
   Color weight;
   std::span<const float> parameters;
+  const Closure* shadowing = nullptr;  ///< Lies on top and dims it; null: nothing does.
+  std::span<const float> shadowingParameters = {};
+
+  float shadow(Vector<World> toLight) const {
+    return shadowing ? shadowing->shadowing(shadowingParameters, toLight) : 1;
+  }
 };
 
 /// The sum of the terms, sampled by |weight| × albedo; where several could have returned a direction, the densities add
 /// (one-sample multiple importance sampling with the balance heuristic, Veach 1997). Refers to its terms, no copy.
 class ClosureMix {
  public:
+  static constexpr std::size_t maximumTerms = 16;
+
+  /// At most `maximumTerms`.
   explicit ClosureMix(std::span<const WeightedClosure> terms, const ClosurePoint& point);
 
   /// As `Closure::evaluate` and `pdf`.
@@ -29,15 +39,17 @@ class ClosureMix {
   Color emitted() const;
   /// The part that passes straight on.
   Color transparency() const;
+  /// The part that is a hole in the image.
+  Color holdout() const;
   /// Nothing but transparency and emission.
   bool isPassing() const;
 
  private:
-  float share(const WeightedClosure& term) const;
-
   std::span<const WeightedClosure> terms_;
   ClosurePoint point_;
+  std::array<float, maximumTerms> shares_{};  ///< By term: |weight| × albedo.
   float total_ = 0;
+  std::size_t sampled_ = 0;  ///< Terms with a share.
 };
 
 }  // namespace aerosol::render

@@ -64,6 +64,19 @@ volume::Task<Color> estimateGlow(PathContext& path, const ScatteringVertex& vert
   co_return scattered* way.emission * (1 / density);
 }
 
+/// What the texture of a light multiplies its light by, at a sample of it.
+volume::Task<Color> lightTextureAt(PathContext& path, std::uint32_t light, LightSample sample, float time) {
+  if (!path.scene().lightTextures[light]) co_return Color(1);
+  shading::ShadingPoint point;
+  point.set(lang::Global::P, sample.point);
+  point.set(lang::Global::N, sample.normal);
+  point.set(lang::Global::Ng, sample.normal);
+  point.set(lang::Global::u, sample.u);
+  point.set(lang::Global::v, sample.v);
+  point.set(lang::Global::time, time);
+  co_return co_await lightTexture(path, light, point);
+}
+
 }  // namespace
 
 volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time) {
@@ -83,7 +96,9 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   const std::optional<LightSample> light = lights.sample(choice->id(), vertex.position(), uniforms);
   if (!light || isBlack(light->value)) co_return Color();
 
-  const Color scattered = vertex.evaluate(light->direction) * light->value;
+  Color scattered = vertex.evaluate(light->direction) * light->value;
+  if (isBlack(scattered)) co_return Color();
+  scattered *= co_await lightTextureAt(path, choice->index, *light, time);
   if (isBlack(scattered)) co_return Color();
   const float pdf = light->pdf * choice->probability;
   const auto byPlace = static_cast<float>(vertex.rivalry(choice->id()) * static_cast<double>(light->pdf));
@@ -109,7 +124,9 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   uniforms.choice = path.random().nextHash();
   const std::optional<LightSample> light = lights.sample(choice.light, vertex.position(), uniforms);
   if (!light || isBlack(light->value)) co_return Color();
-  const Color scattered = vertex.evaluate(light->direction) * light->value;
+  Color scattered = vertex.evaluate(light->direction) * light->value;
+  if (isBlack(scattered)) co_return Color();
+  scattered *= co_await lightTextureAt(path, choice.light.light, *light, time);
   if (isBlack(scattered)) co_return Color();
 
   const auto directionPdf = static_cast<double>(light->pdf);
@@ -129,6 +146,12 @@ float metEmissionWeight(const PreparedScene& scene, Vector<World> direction, con
   const LightSet& lights = scene.lightsOf(record.links);
   if (record.isDelta || !lights.hasVolumes()) return 1;
   return balance(record.pdf, lights.pdfVolumes(record.from, direction));
+}
+
+volume::Task<Color> lightTexture(PathContext& path, std::uint32_t light, const shading::ShadingPoint& point) {
+  const std::optional<shading::InstanceRef>& texture = path.scene().lightTextures[light];
+  if (!texture) co_return Color(1);
+  co_return lightTextureOf(co_await path.shade(*texture, point));
 }
 
 Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record) {

@@ -145,6 +145,9 @@ struct DirectionRecord {
   bool isReplaced = false;  ///< Shadow rays have gone straight where this direction was bent: no light counts.
 };
 
+/// What the texture of a light multiplies its light by, at a point with its texture coordinates; white without one.
+volume::Task<Color> lightTexture(PathContext& path, std::uint32_t light, const shading::ShadingPoint& point);
+
 /// The weight of what media emit along a ray up to the first surface: they may be sampled as lights.
 float metEmissionWeight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record);
 

@@ -9,9 +9,37 @@
 
 namespace aerosol::render {
 
+namespace {
+
+constexpr std::string_view nestedNormal = "nested_normal";
+constexpr std::string_view shadingNormal = "shading_normal";
+
+const lang::Parameter* findTriple(const lang::Program& program, std::string_view name, bool isOutput) {
+  for (const lang::Parameter& parameter : program.parameters) {
+    if (parameter.name == name && parameter.isOutput == isOutput && parameter.type.isTriple()) return &parameter;
+  }
+  return nullptr;
+}
+
+/// A text of a parameter's metadata; empty when it has none.
+std::string metadataText(const lang::Parameter& parameter, std::string_view name) {
+  for (const lang::MetadataValue& entry : parameter.metadata) {
+    const auto* texts = std::get_if<std::vector<std::string>>(&entry.value);
+    if (entry.name == name && texts && !texts->empty()) return texts->front();
+  }
+  return {};
+}
+
+bool hasMetadata(const lang::Parameter& parameter, std::string_view name) {
+  return std::any_of(parameter.metadata.begin(), parameter.metadata.end(),
+                     [&](const lang::MetadataValue& entry) { return entry.name == name; });
+}
+
+}  // namespace
+
 Result<lang::Group> GroupBuilder::build(const scene::ShaderUse& shader) {
   const bool isGroup = shader.code && shader.code->isGroup;
-  add(shader, isGroup || shader.code ? "shader" : shader.name, true);
+  add(shader, isGroup || shader.code ? "shader" : shader.name, true, {});
   if (errors_.hasErrors()) return errors_;
   return std::move(group_);
 }
@@ -26,25 +54,65 @@ std::string GroupBuilder::uniqueName(const std::string& wanted) const {
   return name;
 }
 
-std::optional<GroupBuilder::Range> GroupBuilder::add(const scene::ShaderUse& use, const std::string& name,
-                                                     bool isWhole) {
-  std::vector<std::optional<Range>> inputs;
-  for (const scene::ShaderInput& input : use.inputs) {
-    const scene::ShaderUse& layer = layers_[input.layer];
-    if (const auto known = known_.find(input.layer); known != known_.end()) {
-      inputs.push_back(known->second);
-      continue;
+std::optional<GroupBuilder::Range> GroupBuilder::add(const scene::ShaderUse& use, const std::string& name, bool isWhole,
+                                                     const Frame& frame) {
+  std::vector<std::optional<Range>> inputs(use.inputs.size());
+  const auto addInputs = [&](bool materials, const Frame& around) {
+    for (std::size_t i = 0; i < use.inputs.size(); ++i) {
+      if (layers_[use.inputs[i].layer].isMaterial == materials) inputs[i] = addInput(use.inputs[i], around);
     }
-    const std::string fallback = input.parameter.empty() ? layer.name : input.parameter;
-    inputs.push_back(add(layer, layer.origin.id.empty() ? fallback : layer.origin.id, false));
-    known_[input.layer] = inputs.back();
-  }
+  };
+  addInputs(false, {});
+  const std::optional<Frame> nested = addFrame(use, name, inputs, frame);
+  if (!nested) return std::nullopt;
+  addInputs(true, *nested);
   const std::size_t first = group_.layers.size();
   if (!addLayers(use, name, isWhole)) return std::nullopt;
   const Range range{first, group_.layers.size() - 1};
   setValues(use, range);
   connect(use, range, inputs);
+  connectFrame(range, frame, use.origin.location);
   return range;
+}
+
+std::optional<GroupBuilder::Range> GroupBuilder::addInput(const scene::ShaderInput& input, const Frame& frame) {
+  const auto key = std::pair(input.layer, frame);
+  if (const auto known = known_.find(key); known != known_.end()) return known->second;
+  const scene::ShaderUse& layer = layers_[input.layer];
+  const std::string fallback = input.parameter.empty() ? layer.name : input.parameter;
+  const auto range = add(layer, layer.origin.id.empty() ? fallback : layer.origin.id, false, frame);
+  known_[key] = range;
+  return range;
+}
+
+/// The frame of the materials in a shader: a copy of it when it turns normals, the one around it otherwise. Nothing
+/// after an error.
+std::optional<GroupBuilder::Frame> GroupBuilder::addFrame(const scene::ShaderUse& use, const std::string& name,
+                                                          const std::vector<std::optional<Range>>& inputs,
+                                                          const Frame& outer) {
+  const bool hasMaterials = std::any_of(use.inputs.begin(), use.inputs.end(), [&](const scene::ShaderInput& input) {
+    return layers_[input.layer].isMaterial;
+  });
+  if (!hasMaterials || (use.code && use.code->isGroup)) return outer;
+  const std::size_t first = group_.layers.size();
+  if (!addLayers(use, name + "_normal", false)) return std::nullopt;
+  if (!findTriple(*group_.layers.back().program, nestedNormal, true)) {
+    group_.layers.pop_back();
+    return outer;
+  }
+  const Range range{first, first};
+  setValues(use, range);
+  connect(use, range, inputs);
+  connectFrame(range, outer, use.origin.location);
+  if (errors_.hasErrors()) return std::nullopt;
+  return group_.layers.back().name;
+}
+
+void GroupBuilder::connectFrame(Range range, const Frame& frame, const SourceLocation& location) {
+  const lang::GroupLayer& layer = group_.layers[range.last];
+  if (frame.empty() || !findTriple(*layer.program, shadingNormal, false)) return;
+  group_.connections.push_back(
+      {frame, std::string(nestedNormal), layer.name, std::string(shadingNormal), location, location});
 }
 
 bool GroupBuilder::addLayers(const scene::ShaderUse& use, const std::string& name, bool isWhole) {
@@ -117,12 +185,12 @@ void GroupBuilder::setValues(const scene::ShaderUse& use, Range range) {
 
 void GroupBuilder::connect(const scene::ShaderUse& use, Range range, const std::vector<std::optional<Range>>& inputs) {
   for (std::size_t i = 0; i < use.inputs.size(); ++i) {
-    if (!inputs[i]) continue;
+    if (!inputs[i]) continue;  // In error, or a material, which comes after the copy that gives its normal.
     const scene::ShaderInput& input = use.inputs[i];
     std::string parameter;
     const lang::GroupLayer* layer = layerOf(input.parameter, range, parameter);
     const lang::GroupLayer& source = group_.layers[inputs[i]->last];
-    if (parameter.empty()) parameter = closureParameter(*layer, input.location);
+    parameter = parameterFor(input, *layer, parameter);
     if (parameter.empty()) continue;
     const std::string output = chooseOutput(input, *source.program, *layer->program, parameter);
     if (output.empty()) {
@@ -131,17 +199,63 @@ void GroupBuilder::connect(const scene::ShaderUse& use, Range range, const std::
     }
     group_.connections.push_back({source.name, output, layer->name, parameter,
                                   input.output.empty() ? input.location : input.outputLocation, input.location});
+    connectFollowers(*layer, parameter, source, input.location);
   }
+}
+
+/// Parameters that take more of what feeds another one.
+void GroupBuilder::connectFollowers(const lang::GroupLayer& layer, const std::string& parameter,
+                                    const lang::GroupLayer& source, const SourceLocation& location) {
+  for (const lang::Parameter& other : layer.program->parameters) {
+    const std::string follows = metadataText(other, "follows");
+    if (!follows.starts_with(parameter + ".")) continue;
+    const std::string output = follows.substr(parameter.size() + 1);
+    const lang::ParameterNames names(*source.program);
+    const auto index = names.findLeaf(output);
+    if (!index || !source.program->parameters[*index].isOutput) {
+      errors_.error(location, fmt::format("shader '{}' has no output '{}', which '{}' of shader '{}' needs",
+                                          source.program->name, output, other.name, layer.program->name));
+      continue;
+    }
+    group_.connections.push_back({source.name, output, layer.name, other.name, location, location});
+  }
+}
+
+/// The parameter that an input feeds: the one it names; a material whose name is none feeds the next closure, any other
+/// shader the parameter that takes any name.
+std::string GroupBuilder::parameterFor(const scene::ShaderInput& input, const lang::GroupLayer& layer,
+                                       const std::string& named) {
+  if (!named.empty() && lang::ParameterNames(*layer.program).find(named)) return named;
+  if (layers_[input.layer].isMaterial || named.empty()) {
+    const auto& all = layer.program->parameters;
+    const bool takesMaterials = std::any_of(all.begin(), all.end(), [](const lang::Parameter& parameter) {
+      return parameter.type.closure && !parameter.isOutput;
+    });
+    if (layers_[input.layer].isMaterial && takesMaterials) return closureParameter(layer, input.location);
+  }
+  if (!layers_[input.layer].isMaterial) {
+    for (const lang::Parameter& parameter : layer.program->parameters) {
+      if (hasMetadata(parameter, "any_name")) return parameter.name;
+    }
+  }
+  return named.empty() ? closureParameter(layer, input.location) : named;
 }
 
 /// For a nested shader without a name: the next closure parameter.
 std::string GroupBuilder::closureParameter(const lang::GroupLayer& layer, const SourceLocation& location) {
+  int taken = 0;
   for (const lang::Parameter& parameter : layer.program->parameters) {
     if (!parameter.type.closure || parameter.isOutput) continue;
     const bool isTaken = std::any_of(group_.connections.begin(), group_.connections.end(), [&](const auto& known) {
       return known.layer == layer.name && known.parameter == parameter.name;
     });
     if (!isTaken) return parameter.name;
+    ++taken;
+  }
+  if (taken > 0) {
+    errors_.error(location, fmt::format("shader '{}' takes no more than {} nested material{}", layer.program->name,
+                                        taken, taken == 1 ? "" : "s"));
+    return {};
   }
   errors_.error(location, "name=\"…\" is missing: the parameter that this shader feeds",
                 {fmt::format("parameters of shader '{}': {}", layer.program->name,

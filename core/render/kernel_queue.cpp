@@ -31,6 +31,15 @@ std::size_t offsetOf(const Closure& closure, std::size_t field) {
   return static_cast<std::size_t>(componentCount(closure.fields().first(field)));
 }
 
+/// Where the weight of a layer on the site's closure goes: behind its fields.
+std::optional<std::size_t> layerWeightOffset(const Closure& closure, const lang::ClosureSite& site,
+                                             std::uint32_t parameter) {
+  for (std::size_t k = 0; k < site.layers.size(); ++k) {
+    if (site.layers[k].weight == parameter) return static_cast<std::size_t>(componentCount(closure.fields())) + 3 * k;
+  }
+  return {};
+}
+
 bool isSound(Color c) { return isFinite(c) && minimum(c) >= 0; }
 
 }  // namespace
@@ -91,6 +100,11 @@ void KernelQueues::prepareSurfaceLayout(Queue& queue) const {
     const Closure* closure = scene_.siteClosures[queue.family][output.index];
     const std::optional<std::size_t> field =
         closure ? fieldOf(*closure, sites[output.index], output.subIndex) : std::nullopt;
+    if (closure && !field) {
+      if (const auto offset = layerWeightOffset(*closure, sites[output.index], output.subIndex)) {
+        queue.parameters.push_back({k, output.index * stride + first + *offset + output.component, output.type, {}});
+      }
+    }
     if (!field) continue;
     SurfaceParameter parameter{
         k, output.index * stride + first + offsetOf(*closure, *field) + output.component, output.type, {}};

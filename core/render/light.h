@@ -27,6 +27,7 @@ struct LightSample {
   bool isDelta = false;  ///< No other technique can find this direction.
   Point<World> point;    ///< On the light, where `distance` is finite.
   Normal<World> normal;  ///< Geometric, unit, towards the emitting side; zero where the light has no surface.
+  float u = 0, v = 0;    ///< Where on the light's texture, where it has one.
 };
 
 /// A point of a light's surface that a ray met.

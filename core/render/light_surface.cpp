@@ -41,9 +41,26 @@ std::optional<SurfaceSample> seen(Point<World> from, Vec point, Vec normal, doub
   if (!(pdf > 0)) return {};
   const Vec d = point - origin;
   const double distance = length(d);
-  return SurfaceSample{toFloat<Point<World>>(point), toFloat<Normal<World>>(normal),
-                       toFloat<Vector<World>>(d * (1 / distance)), static_cast<float>(distance),
-                       static_cast<float>(pdf)};
+  SurfaceSample sample;
+  sample.point = toFloat<Point<World>>(point);
+  sample.normal = toFloat<Normal<World>>(normal);
+  sample.direction = toFloat<Vector<World>>(d * (1 / distance));
+  sample.distance = static_cast<float>(distance);
+  sample.pdf = static_cast<float>(pdf);
+  return sample;
+}
+
+std::optional<SurfaceSample> withTexture(std::optional<SurfaceSample> sample, double u, double v) {
+  if (!sample) return {};
+  sample->u = static_cast<float>(u);
+  sample->v = static_cast<float>(v);
+  return sample;
+}
+
+/// The angle of (x, y) as a part of a turn.
+double turn(double x, double y) {
+  const double angle = std::atan2(y, x) / (2 * std::numbers::pi);
+  return angle < 0 ? angle + 1 : angle;
 }
 
 class MeshLight final : public LightSurface {
@@ -108,7 +125,14 @@ class MeshLight final : public LightSurface {
     if (!(size > 0)) return {};
     const std::array<double, 2> w = toTriangle(u);
     const Vec a = corner(i, 0), b = corner(i, 1), c = corner(i, 2);
-    return seen(from, a * w[0] + b * w[1] + c * (1 - w[0] - w[1]), n * (1 / size), pdfArea);
+    const double rest = 1 - w[0] - w[1];
+    const auto sample = seen(from, a * w[0] + b * w[1] + c * rest, n * (1 / size), pdfArea);
+    if (mesh_->uvs.empty()) return withTexture(sample, w[1], rest);
+    const auto uv = [&](std::size_t k) { return mesh_->uvs[mesh_->triangles[i][k]]; };
+    const auto mix = [&](float p, float q, float r) {
+      return static_cast<double>(p) * w[0] + static_cast<double>(q) * w[1] + static_cast<double>(r) * rest;
+    };
+    return withTexture(sample, mix(uv(0).u, uv(1).u, uv(2).u), mix(uv(0).v, uv(1).v, uv(2).v));
   }
   Vec corner(std::size_t triangle, std::size_t i) const {
     return toDouble(mesh_->positions[mesh_->triangles[triangle][i]]);
@@ -174,14 +198,21 @@ class RectangleLight final : public FlatLight {
   std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
     const std::optional<SphericalRectangle> seenAs = seenFrom(from);
     if (!seenAs) {
-      return sampleAt(from, 2 * static_cast<double>(u.place[0]) - 1, 2 * static_cast<double>(u.place[1]) - 1);
+      const double x = static_cast<double>(u.place[0]), y = static_cast<double>(u.place[1]);
+      return withTexture(sampleAt(from, 2 * x - 1, 2 * y - 1), x, y);
     }
     const Vec origin = toDouble(from);
     const Vec d = seenAs->sample(static_cast<double>(u.place[0]), static_cast<double>(u.place[1]));
     const double distance = length(d);
-    return SurfaceSample{toFloat<Point<World>>(origin + d), toFloat<Normal<World>>(outward()),
-                         toFloat<Vector<World>>(d * (1 / distance)), static_cast<float>(distance),
-                         static_cast<float>(1 / seenAs->solidAngle())};
+    const Vec place = origin + d - middle();
+    SurfaceSample sample;
+    sample.point = toFloat<Point<World>>(origin + d);
+    sample.normal = toFloat<Normal<World>>(outward());
+    sample.direction = toFloat<Vector<World>>(d * (1 / distance));
+    sample.distance = static_cast<float>(distance);
+    sample.pdf = static_cast<float>(1 / seenAs->solidAngle());
+    return withTexture(sample, 0.5 + 0.5 * dot(place, x()) / dot(x(), x()),
+                       0.5 + 0.5 * dot(place, y()) / dot(y(), y()));
   }
 
   float pdf(Point<World> from, const LightHit& hit) const override {
@@ -211,7 +242,7 @@ class DiskLight final : public FlatLight {
 
   std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
     const std::array<double, 2> d = toConcentricDisk(u.place);
-    return sampleAt(from, d[0], d[1]);
+    return withTexture(sampleAt(from, d[0], d[1]), std::hypot(d[0], d[1]), turn(d[0], d[1]));
   }
 };
 
@@ -231,13 +262,14 @@ class SphereLight final : public LightSurface {
   }
 
   std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
-    if (const std::optional<Cone> cone = coneFrom(from)) return sampleCone(*cone, u.place);
+    if (const std::optional<Cone> cone = coneFrom(from)) return withSphereTexture(sampleCone(*cone, u.place));
     const std::array<double, 3> s = toSphere(u.place);
     const Vec p{s[0], s[1], s[2]};
     const Vec n = normalFactor(p);
     const double stretch = length(n);
-    return seen(from, column(matrix_, 0) * p.x + column(matrix_, 1) * p.y + column(matrix_, 2) * p.z + centre_,
-                n * ((flipped_ ? -1 : 1) / stretch), pdfArea(stretch));
+    return withSphereTexture(
+        seen(from, column(matrix_, 0) * p.x + column(matrix_, 1) * p.y + column(matrix_, 2) * p.z + centre_,
+             n * ((flipped_ ? -1 : 1) / stretch), pdfArea(stretch)));
   }
 
   float pdf(Point<World> from, const LightHit& hit) const override {
@@ -299,9 +331,21 @@ class SphereLight final : public LightSurface {
     const Vec direction = cone.axis * (1 - c) + x * (sine * std::cos(phi)) + y * (sine * std::sin(phi));
     const Vec outward = direction * reach - cone.axis * cone.distance;
     const Vec normal = outward * (1 / length(outward));
-    return SurfaceSample{toFloat<Point<World>>(centre_ + normal * radius_), toFloat<Normal<World>>(normal),
-                         toFloat<Vector<World>>(direction * (1 / length(direction))), static_cast<float>(reach),
-                         static_cast<float>(cone.pdf)};
+    SurfaceSample sample;
+    sample.point = toFloat<Point<World>>(centre_ + normal * radius_);
+    sample.normal = toFloat<Normal<World>>(normal);
+    sample.direction = toFloat<Vector<World>>(direction * (1 / length(direction)));
+    sample.distance = static_cast<float>(reach);
+    sample.pdf = static_cast<float>(cone.pdf);
+    return sample;
+  }
+
+  std::optional<SurfaceSample> withSphereTexture(const std::optional<SurfaceSample>& sample) const {
+    if (!sample) return {};
+    const Vec d = toDouble(sample->point) - centre_;
+    const auto row = [&](std::size_t i) { return inverse_[i][0] * d.x + inverse_[i][1] * d.y + inverse_[i][2] * d.z; };
+    const Vec p{row(0), row(1), row(2)};
+    return withTexture(sample, turn(p.x, p.y), std::acos(std::clamp(p.z / length(p), -1.0, 1.0)) / std::numbers::pi);
   }
 
   /// The unit sphere's normal at p, mapped: its direction is the outward normal, its length the ratio in which area
@@ -333,6 +377,69 @@ class SphereLight final : public LightSurface {
   bool flipped_ = false, isRound_ = false;
 };
 
+class CylinderLight final : public LightSurface {
+ public:
+  CylinderLight(const Transform<World, Object>& toWorld, bool flipNormals)
+      : matrix_(toWorld.matrix()), inverse_(toWorld.inverseMatrix()), flipped_(flipNormals) {
+    const Vec x = column(matrix_, 0), y = column(matrix_, 1), z = column(matrix_, 2);
+    determinant_ = std::fabs(dot(x, cross(y, z)));
+    centre_ = column(matrix_, 3) + z * 0.5;
+    // A circle under an affine map: smooth and periodic, so equal steps give all digits.
+    constexpr int steps = 256;
+    for (int i = 0; i < steps; ++i) area_ += areaFactor(normalFactor(2 * std::numbers::pi * i / steps)) / steps;
+    area_ *= 2 * std::numbers::pi;
+  }
+
+  std::optional<SurfaceSample> sample(Point<World> from, const LightUniforms& u) const override {
+    const double around = static_cast<double>(u.place[0]), along = static_cast<double>(u.place[1]);
+    const double angle = 2 * std::numbers::pi * around;
+    const Vec p = column(matrix_, 0) * std::cos(angle) + column(matrix_, 1) * std::sin(angle) +
+                  column(matrix_, 2) * along + column(matrix_, 3);
+    const Vec n = normalFactor(angle);
+    return withTexture(seen(from, p, n * ((flipped_ ? -1 : 1) / length(n)), density(n)), around, along);
+  }
+
+  float pdf(Point<World> from, const LightHit& hit) const override {
+    const Vec d = toDouble(hit.point) - column(matrix_, 3);
+    const auto row = [&](std::size_t i) { return inverse_[i][0] * d.x + inverse_[i][1] * d.y + inverse_[i][2] * d.z; };
+    const Vec n = normalFactor(std::atan2(row(1), row(0)));
+    return static_cast<float>(toSolidAngle(density(n), toDouble(from), toDouble(hit.point), toDouble(hit.normal)));
+  }
+
+  SurfacePart part(std::uint32_t) const override {
+    SurfacePart part;
+    part.area = area_;
+    const Vec x = column(matrix_, 0), y = column(matrix_, 1), z = column(matrix_, 2), base = column(matrix_, 3);
+    for (const double a : {-1.0, 1.0}) {
+      for (const double b : {-1.0, 1.0}) {
+        for (const double c : {0.0, 1.0}) part.box.extend(toFloat<Point<World>>(base + x * a + y * b + z * c));
+      }
+    }
+    return part;
+  }
+  double area() const override { return area_; }
+  Point<World> centre() const override { return toFloat<Point<World>>(centre_); }
+  float extent() const override {
+    const double radius = std::max(length(column(matrix_, 0)), length(column(matrix_, 1)));
+    return static_cast<float>(std::max(radius, 0.5 * length(column(matrix_, 2))));
+  }
+
+ private:
+  /// The normal there, mapped; its length times the determinant is the ratio in which area grows.
+  Vec normalFactor(double angle) const {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {inverse_[0][0] * c + inverse_[1][0] * s, inverse_[0][1] * c + inverse_[1][1] * s,
+            inverse_[0][2] * c + inverse_[1][2] * s};
+  }
+  double areaFactor(Vec normal) const { return determinant_ * length(normal); }
+  double density(Vec normal) const { return 1 / (2 * std::numbers::pi * areaFactor(normal)); }
+
+  Matrix4 matrix_, inverse_;
+  Vec centre_;
+  double determinant_ = 0, area_ = 0;
+  bool flipped_ = false;
+};
+
 template <class Surface, class... Arguments>
 std::unique_ptr<const LightSurface> makeWithArea(const Arguments&... arguments) {
   auto surface = std::make_unique<Surface>(arguments...);
@@ -352,6 +459,10 @@ std::unique_ptr<const LightSurface> makeRectangleLight(const Transform<World, Ob
 
 std::unique_ptr<const LightSurface> makeDiskLight(const Transform<World, Object>& toWorld, bool flipNormals) {
   return makeWithArea<DiskLight>(toWorld, flipNormals);
+}
+
+std::unique_ptr<const LightSurface> makeCylinderLight(const Transform<World, Object>& toWorld, bool flipNormals) {
+  return makeWithArea<CylinderLight>(toWorld, flipNormals);
 }
 
 std::unique_ptr<const LightSurface> makeSphereLight(const Transform<World, Object>& toWorld, bool flipNormals) {

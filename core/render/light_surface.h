@@ -15,7 +15,8 @@ struct SurfaceSample {
   Normal<World> normal;     ///< Geometric, unit, outwards.
   Vector<World> direction;  ///< Unit, towards the point.
   float distance = 0;
-  float pdf = 0;  ///< Per steradian.
+  float pdf = 0;       ///< Per steradian.
+  float u = 0, v = 0;  ///< Texture coordinates, as rays find them.
 };
 
 /// A part of a surface that can be sampled apart: all of it, or a triangle of a mesh.
@@ -62,6 +63,9 @@ std::unique_ptr<const LightSurface> makeRectangleLight(const Transform<World, Ob
 
 /// The unit disk of the xy plane, facing +z, uniform by area.
 std::unique_ptr<const LightSurface> makeDiskLight(const Transform<World, Object>& toWorld, bool flipNormals);
+
+/// The open cylinder of radius 1 about the z axis from 0 to 1, facing outwards; uniform over it before `toWorld`.
+std::unique_ptr<const LightSurface> makeCylinderLight(const Transform<World, Object>& toWorld, bool flipNormals);
 
 /// The unit sphere: seen from outside, uniform in the cone that it fills; from inside and as an ellipsoid, uniform over
 /// the unit sphere before `toWorld`.

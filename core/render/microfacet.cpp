@@ -15,8 +15,11 @@ float square(float x) { return x * x; }
 
 }  // namespace
 
-Microfacets::Microfacets(Shape shape, float alphaX, float alphaY)
-    : shape_(shape), alphaX_(std::clamp(alphaX, leastAlpha, 1.0f)), alphaY_(std::clamp(alphaY, leastAlpha, 1.0f)) {}
+Microfacets::Microfacets(Finish finish, float alphaX, float alphaY)
+    : shape_(finish.shape),
+      isSingle_(finish.isSingle),
+      alphaX_(std::clamp(alphaX, leastAlpha, 1.0f)),
+      alphaY_(std::clamp(alphaY, leastAlpha, 1.0f)) {}
 
 float Microfacets::density(Vector<Local> h) const {
   if (!(h.z > 0)) return 0;
@@ -39,6 +42,7 @@ float Microfacets::lambda(Vector<Local> w) const {
 
 float Microfacets::seenByBoth(Vector<Local> a, Vector<Local> b) const {
   const float la = lambda(a), lb = lambda(b);
+  if (isSingle_) return 1 / ((1 + la) * (1 + lb));
   if (a.z * b.z > 0) return 1 / (1 + la + lb);
   // On different sides: Heitz 2014, equation 99 for refraction: the beta function B(1 + Λa, 1 + Λb).
   return static_cast<float>(std::exp(std::lgamma(1.0 + static_cast<double>(la)) +
@@ -58,7 +62,7 @@ Vector<Local> Microfacets::sampleVisible(Vector<Local> viewer, std::array<float,
 }
 
 float Microfacets::visibleDensity(Vector<Local> viewer, Vector<Local> h) const {
-  if (shape_ != Shape::ggx) return Microfacets(Shape::ggx, alphaX_, alphaY_).visibleDensity(viewer, h);
+  if (shape_ != Shape::ggx) return Microfacets({Shape::ggx}, alphaX_, alphaY_).visibleDensity(viewer, h);
   const float cosine = std::fabs(viewer.z);
   return cosine > 0 ? seen(viewer) * std::max(dot(viewer, h), 0.0f) * density(h) / cosine : 0;
 }

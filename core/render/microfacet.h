@@ -12,8 +12,9 @@ namespace aerosol::render {
 /// The frame of a shading normal: z is the normal, x the direction of `alphaX`.
 struct Local {};
 
-/// The texts by which shaders call the shapes, in the order of `Microfacets::Shape`.
-inline constexpr std::string_view microfacetShapes[] = {"ggx", "beckmann"};
+/// The texts by which shaders call the finishes: `Microfacets::finishAt`. The first two return what light loses between
+/// facets that it meets once, and hide facets from both sides by their height; the others do neither (Mitsuba's).
+inline constexpr std::string_view microfacetFinishes[] = {"ggx", "beckmann", "ggx_single", "beckmann_single"};
 
 /// Microfacets with Smith's shadowing. All directions are unit and point away from the surface; the viewer is at z > 0.
 /// Walter, Marschner, Li and Torrance 2007, "Microfacet Models for Refraction through Rough Surfaces"; anisotropy and
@@ -21,16 +22,31 @@ inline constexpr std::string_view microfacetShapes[] = {"ggx", "beckmann"};
 class Microfacets {
  public:
   enum class Shape : unsigned char { ggx, beckmann };
+  struct Finish {
+    Shape shape = Shape::ggx;
+    bool isSingle = false;
+  };
+
+  /// Of an index into `microfacetFinishes`.
+  static Finish finishAt(float index) {
+    const int i = static_cast<int>(index);
+    return {i % 2 == 1 ? Shape::beckmann : Shape::ggx, i >= 2};
+  }
 
   /// Roughness is squared slope width: alpha in [1e-4, 1]; smaller is taken as that.
-  Microfacets(Shape shape, float alphaX, float alphaY);
+  Microfacets(Finish finish, float alphaX, float alphaY);
 
   /// D(h), per steradian.
   float density(Vector<Local> h) const;
   /// G1(w): the part of the facets that is seen from w.
   float seen(Vector<Local> w) const { return 1 / (1 + lambda(w)); }
-  /// G2(a, b), height-correlated: both on one side, or one on each.
+  /// G2(a, b): both on one side, or one on each. Correlated by height; of single finishes the product of both G1.
   float seenByBoth(Vector<Local> a, Vector<Local> b) const;
+  /// Whether light that meets several facets is lost.
+  bool isSingle() const { return isSingle_; }
+  Shape shape() const { return shape_; }
+  float alphaX() const { return alphaX_; }
+  float alphaY() const { return alphaY_; }
   /// A normal with the density `visibleDensity`.
   Vector<Local> sampleVisible(Vector<Local> viewer, std::array<float, 2> u) const;
   /// G1(v) |v·h| D(h) / |cos v| of GGX. Beckmann normals are drawn so too: their density is at most 4/e times that.
@@ -40,6 +56,7 @@ class Microfacets {
   float lambda(Vector<Local> w) const;
 
   Shape shape_;
+  bool isSingle_;
   float alphaX_, alphaY_;
 };
 

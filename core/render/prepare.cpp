@@ -45,6 +45,7 @@ class Preparation {
     scene_->shutter = description_.sensor.shutter();
     setUpCamera();
     bindMaterials();
+    bindLightTextures();
     placeMedia();
     if (errors_.hasErrors()) return fail();
     errors_.append(scene_->shading.compile(*options_.compiler, {options_.target, options_.laneCounters}));
@@ -110,6 +111,38 @@ class Preparation {
         appendNew(bound.errors());
       }
     }
+  }
+
+  void bindLightTextures() {
+    const auto bind = [&](const scene::Emitter& emitter, const Transform<World, Object>& toWorld) {
+      lightTextures_.emplace_back();
+      if (!emitter.texture) return;
+      auto bound = bindShader(description_.materials[*emitter.texture], "surface", toWorld, shaderSources(),
+                              scene_->shading, warnings_);
+      if (bound) {
+        lightTextures_.back() = *bound;
+      } else {
+        appendNew(bound.errors());
+      }
+    };
+    for (const scene::Emitter& emitter : description_.emitters) bind(emitter, emitter.toWorld);
+    for (const scene::Shape& shape : description_.shapes) {
+      if (shape.emitter) bind(*shape.emitter, atOpening(shape.toWorld));
+    }
+  }
+
+  /// What a light's texture is in the mean, by a grid of its coordinates.
+  Color meanTexture(shading::InstanceRef texture) const {
+    constexpr int side = 8;
+    Color sum;
+    for (int i = 0; i < side * side; ++i) {
+      shading::ShadingPoint point;
+      point.set(lang::Global::u, (static_cast<float>(i % side) + 0.5f) / side);
+      point.set(lang::Global::v, (static_cast<float>(i) / side + 0.5f) / side);
+      sum += lightTextureOf(askSurface(*scene_, texture, point));
+    }
+    // Where the grid finds nothing light may be all the same.
+    return maximum(abs(sum)) > 0 ? sum / (side * side) : Color(1e-3f);
   }
 
   /// A material used by many shapes is reported once.
@@ -413,14 +446,16 @@ class Preparation {
       return;
     }
     object.closures = scene_->siteClosures[object.material.family];
-    const lang::Program folded = lang::specialise(program, {});
+    const lang::Program folded = lang::specialise(program, valuesOf(object.material));
+    const bool isLayered = std::any_of(program.closureSites.begin(), program.closureSites.end(),
+                                       [](const lang::ClosureSite& site) { return !site.layers.empty(); });
     for (std::size_t i = 0; i < program.closureSites.size(); ++i) {
-      if (!program.closureSites[i].layers.empty()) {
-        errors_.error(program.locations[program.closureSites[i].location],
-                      "layered closures are not implemented for surfaces");
-      }
-      checkSite(folded, static_cast<std::uint32_t>(i), object.closures[i]);
-      if (object.closures[i] && object.closures[i]->kind() == ClosureKind::interior) scene_->nestsMedia = true;
+      const lang::ClosureSite& site = program.closureSites[i];
+      if (isLayered) object.layers.push_back(site.layers);
+      const auto index = static_cast<std::uint32_t>(i);
+      checkSite(folded, index, object.closures[i]);
+      const bool isInterior = object.closures[i] && object.closures[i]->kind() == ClosureKind::interior;
+      if (isInterior && !isWeightless(folded, index)) scene_->nestsMedia = true;
     }
     if (errors_.hasErrors()) return;
     object.passesShadows = letsShadowsPass(object);
@@ -436,6 +471,28 @@ class Preparation {
       }
     }
     object.isBoundary = !hasOther && passing == Color(1.0f);
+  }
+
+  /// All parameters of an instance, those that its program computes without a value.
+  lang::ParameterValues valuesOf(shading::InstanceRef ref) const {
+    const lang::Program& program = *scene_->shading.family(ref).program;
+    lang::ParameterValues values;
+    for (std::uint32_t i = 0; i < program.parameters.size(); ++i) {
+      const lang::ConstantValue* value = shading::valueOf(program, scene_->shading.instance(ref), i);
+      values[i] = value ? *value : lang::ConstantValue{};
+    }
+    return values;
+  }
+
+  /// Whether a site's weight is always black with the instance's parameters.
+  static bool isWeightless(const lang::Program& program, std::uint32_t site) {
+    return std::any_of(program.outputs.begin(), program.outputs.end(), [&](const lang::Output& output) {
+      if (output.kind != lang::OutputKind::siteWeight || output.index != site) return false;
+      const lang::Variable& variable = program.variables[output.variable];
+      const auto* floats = std::get_if<std::vector<float>>(&variable.value);
+      return variable.storage == lang::Storage::constant && floats &&
+             std::all_of(floats->begin(), floats->end(), [](float value) { return value == 0; });
+    });
   }
 
   /// Options that a shader does not write are zero.
@@ -460,11 +517,26 @@ class Preparation {
           Severity::error, place, fmt::format("closure '{}' is not implemented for surfaces", site.closure), {}, {}});
       return;
     }
+    const std::size_t size = static_cast<std::size_t>(componentCount(closure->fields())) + 3 * site.layers.size();
+    if (size > SurfaceAnswer::maximumParameters) {
+      appendNew(Diagnostic{
+          Severity::error,
+          place,
+          fmt::format(
+              "closure '{}' lies below {} others: {} is the most", site.closure, site.layers.size(),
+              (SurfaceAnswer::maximumParameters - static_cast<std::size_t>(componentCount(closure->fields()))) / 3),
+          {},
+          {}});
+      return;
+    }
     for (std::size_t i = 0; i < site.parameterNames.size(); ++i) {
       const std::string& name = site.parameterNames[i];
       const auto fields = closure->fields();
-      const bool isKnown = name == "label" || std::any_of(fields.begin(), fields.end(),
-                                                          [&](const DescribedField& f) { return f.name == name; });
+      const bool isLayer = std::any_of(site.layers.begin(), site.layers.end(),
+                                       [&](const lang::ClosureLayer& layer) { return layer.weight == i; });
+      const bool isKnown =
+          isLayer || name == "label" ||
+          std::any_of(fields.begin(), fields.end(), [&](const DescribedField& f) { return f.name == name; });
       if (isKnown || isZero(program, index, i)) continue;
       appendNew(Diagnostic{
           Severity::error, place, fmt::format("'{}' of closure '{}' is not implemented", name, site.closure), {}, {}});
@@ -485,6 +557,26 @@ class Preparation {
     return ballPlacement(atOpening(shape.toWorld), shape.center, shape.radius);
   }
 
+  /// From the cylinder of radius 1 from z = 0 to 1 to the shape's own space.
+  static Transform<World, Object> cylinderPlacement(const scene::Shape& shape) {
+    const Vector<Object> along = shape.end - shape.center;
+    const Frame<Object> frame(normalize(along));
+    Matrix4 place = identityMatrix(), inverse;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int k = static_cast<int>(i);
+      place[i][0] = static_cast<double>(frame.x[k] * shape.radius);
+      place[i][1] = static_cast<double>(frame.y[k] * shape.radius);
+      place[i][2] = static_cast<double>(along[k]);
+      place[i][3] = static_cast<double>(shape.center[k]);
+    }
+    invert(place, inverse);
+    return {place, inverse};
+  }
+  Transform<World, Object> cylinderToWorld(const scene::Shape& shape) const {
+    const Transform<World, Object> place = cylinderPlacement(shape), toWorld = atOpening(shape.toWorld);
+    return {multiply(toWorld.matrix(), place.matrix()), multiply(place.inverseMatrix(), toWorld.inverseMatrix())};
+  }
+
   Result<accel::ObjectId> addMovingShape(const scene::Shape& shape, const std::shared_ptr<const Motion>& motion,
                                          bool passThrough) {
     using scene::ShapeType;
@@ -500,6 +592,10 @@ class Preparation {
       return builder_.addSphere(place, passThrough, shape.flipNormals);
     }
     if (shape.type == ShapeType::disk) return builder_.addDisk(MovingPlace(motion), passThrough, shape.flipNormals);
+    if (shape.type == ShapeType::cylinder) {
+      const MovingPlace place(motion, asObject(cylinderPlacement(shape)));
+      return builder_.addCylinder(place, passThrough, shape.flipNormals);
+    }
     auto mesh = meshOf(shape, {});
     if (!mesh) return mesh.errors();
     return builder_.addMesh(std::move(*mesh), MovingPlace(motion), passThrough);
@@ -512,6 +608,8 @@ class Preparation {
     if (shape.type == ShapeType::sphere)
       return builder_.addSphere(sphereToWorld(shape), passThrough, shape.flipNormals);
     if (shape.type == ShapeType::disk) return builder_.addDisk(toWorld, passThrough, shape.flipNormals);
+    if (shape.type == ShapeType::cylinder)
+      return builder_.addCylinder(cylinderToWorld(shape), passThrough, shape.flipNormals);
     auto mesh = meshOf(shape, toWorld);
     if (!mesh) return mesh.errors();
     return builder_.addMesh(std::move(*mesh), passThrough);
@@ -526,6 +624,9 @@ class Preparation {
                                                  : accel::loadPly(file, toWorld, warnings_);
       if (!loaded) return loaded.errors();
       mesh = std::move(*loaded);
+      if (shape.flipTexCoords.value_or(shape.type == ShapeType::obj)) {
+        for (accel::TexCoord& uv : mesh.uvs) uv.v = 1 - uv.v;
+      }
     } else {
       mesh = shape.type == ShapeType::cube ? accel::makeCube(toWorld) : accel::makeRectangle(toWorld);
     }
@@ -664,8 +765,11 @@ class Preparation {
 
   void addLights() {
     std::vector<std::unique_ptr<const Light>> lights;
+    std::size_t next = 0;
     const auto add = [&](const scene::Emitter& emitter, std::shared_ptr<const LightSurface> surface) {
-      auto light = makeLight(registry_, emitter, std::move(surface));
+      const std::optional<shading::InstanceRef> texture = lightTextures_[next++];
+      auto light = makeLight(registry_, emitter, std::move(surface), texture ? meanTexture(*texture) : Color(1));
+      if (light) scene_->lightTextures.push_back(texture);
       if (!light) {
         errors_.append(light.errors());
         return false;
@@ -680,6 +784,7 @@ class Preparation {
       std::shared_ptr<const LightSurface> surface = lightSurface(shape, static_cast<accel::ObjectId>(i));
       if (!surface) {
         errors_.error(shape.origin.location, "a shape without area cannot emit");
+        ++next;
         continue;
       }
       if (add(*shape.emitter, surface)) scene_->objects[i].light = static_cast<std::uint32_t>(lights.size() - 1);
@@ -739,6 +844,8 @@ class Preparation {
         return makeSphereLight(sphereToWorld(shape), shape.flipNormals);
       case scene::ShapeType::disk:
         return makeDiskLight(atOpening(shape.toWorld), shape.flipNormals);
+      case scene::ShapeType::cylinder:
+        return makeCylinderLight(cylinderToWorld(shape), shape.flipNormals);
       case scene::ShapeType::rectangle:
         return makeRectangleLight(atOpening(shape.toWorld), shape.flipNormals);
       default:
@@ -805,6 +912,7 @@ class Preparation {
   shading::GroupLibrary groups_;
   std::unique_ptr<PreparedScene> scene_;
   accel::SceneBuilder builder_;
+  std::vector<std::optional<shading::InstanceRef>> lightTextures_;  ///< By emitter, then by shape that has one.
   LightLinking links_;
   std::vector<Placement> placements_;  ///< By medium index.
   Diagnostics errors_;

@@ -33,11 +33,12 @@ struct PreparedObject {
   bool isBoundary = false;                   ///< Null material: rays pass, and change medium.
   const volume::Medium* interior = nullptr;  ///< On the side away from the normal; null: vacuum.
   const volume::Medium* exterior = nullptr;
-  std::optional<int> priority;           ///< Of the interior, where no closure describes one.
-  bool passesShadows = false;            ///< Its material has an answer of its own for shadow rays.
-  bool clipsVolumes = false;             ///< The interior rules out volume primitives too.
-  std::optional<std::uint32_t> light;    ///< Index of its area light.
-  std::vector<const Closure*> closures;  ///< By closure site of the material's program.
+  std::optional<int> priority;                          ///< Of the interior, where no closure describes one.
+  bool passesShadows = false;                           ///< Its material has an answer of its own for shadow rays.
+  bool clipsVolumes = false;                            ///< The interior rules out volume primitives too.
+  std::optional<std::uint32_t> light;                   ///< Index of its area light.
+  std::vector<const Closure*> closures;                 ///< By closure site of the material's program.
+  std::vector<std::vector<lang::ClosureLayer>> layers;  ///< What lies on them, by site; empty where nothing is layered.
 };
 
 /// Path tracing parameters (Mitsuba's meaning).
@@ -86,6 +87,7 @@ struct PreparedScene {
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
   bool probesMedia = false;          ///< Paths may begin in different media: each one looks by itself.
   LightSet lights;
+  std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By light: what its light is multiplied by.
   std::optional<Camera> camera;
   std::optional<Filter> filter;
   SamplerKind sampler = SamplerKind::sobol;

@@ -27,6 +27,15 @@ NamedLight nameLight(const scene::Emitter& emitter) {
       return {"constant", {{"radiance", emitter.emitted}}};
     case scene::EmitterType::area:
       return {"area", {{"radiance", emitter.emitted}}};
+    case scene::EmitterType::envmap:
+      return {"envmap",
+              {{"filename", emitter.file.string()}, {"scale", emitter.scale}, {"to_world", emitter.toWorld.matrix()}}};
+    case scene::EmitterType::spot:
+      return {"spot",
+              {{"intensity", emitter.emitted},
+               {"to_world", emitter.toWorld.matrix()},
+               {"cutoff_angle", emitter.cutoffAngle},
+               {"beam_width", emitter.beamWidth.value_or(-1.0f)}}};
   }
   return {};
 }
@@ -133,15 +142,16 @@ const VolumeType* Registry::volume(std::string_view name) const {
 }
 
 Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, const scene::Emitter& emitter,
-                                               std::shared_ptr<const LightSurface> surface) {
+                                               std::shared_ptr<const LightSurface> surface, Color texture) {
   NamedLight named = nameLight(emitter);
-  return makeLight(registry, named.type, std::move(named.parameters), std::move(surface), emitter.origin.location);
+  return makeLight(registry, named.type, std::move(named.parameters), std::move(surface), emitter.origin.location,
+                   texture);
 }
 
 Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, std::string_view type,
                                                std::vector<scene::NamedValue> parameters,
                                                std::shared_ptr<const LightSurface> surface,
-                                               const SourceLocation& location) {
+                                               const SourceLocation& location, Color texture) {
   const LightType* const known = registry.light(type);
   if (!known) return unknown(location, "light of type", std::string(type), namesOf(registry.lights()));
   if (Diagnostics errors = complete(*known, parameters, location); errors.hasErrors()) return errors;
@@ -150,7 +160,14 @@ Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, std::st
     errors.error(location, "a light of type '" + known->name + "' needs a shape with area");
     return errors;
   }
-  return known->make({parameters, std::move(surface)});
+  std::string problem;
+  auto light = known->make({parameters, std::move(surface), texture, &problem});
+  if (!light) {
+    Diagnostics errors;
+    errors.error(location, problem);
+    return errors;
+  }
+  return light;
 }
 
 }  // namespace aerosol::render

@@ -27,6 +27,8 @@ namespace aerosol::render {
 struct LightArguments {
   std::span<const scene::NamedValue> parameters;
   std::shared_ptr<const LightSurface> surface;
+  Color texture{1};                ///< Mean of what a texture multiplies the light by.
+  std::string* problem = nullptr;  ///< Told when nothing can be made.
 
   /// The value of one of the type's parameters.
   template <class T>
@@ -112,12 +114,13 @@ class Registry {
 /// A light as the scene describes it. An area light needs `surface`. An unknown type or a wrong parameter is an error
 /// at its place, listing what is known.
 Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, const scene::Emitter& emitter,
-                                               std::shared_ptr<const LightSurface> surface = nullptr);
+                                               std::shared_ptr<const LightSurface> surface = nullptr,
+                                               Color texture = Color(1));
 
 /// A light by the name of its type. Defaults are filled in, each value is checked against the type's table.
 Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, std::string_view type,
                                                std::vector<scene::NamedValue> parameters,
                                                std::shared_ptr<const LightSurface> surface,
-                                               const SourceLocation& location = {});
+                                               const SourceLocation& location = {}, Color texture = Color(1));
 
 }  // namespace aerosol::render

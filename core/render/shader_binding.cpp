@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "core/render/group_binding.h"
 
 namespace aerosol::render {
@@ -87,6 +90,52 @@ Diagnostic unknownParameter(const lang::Program& program, const scene::ShaderPar
   return error;
 }
 
+/// Numbers that have names: metadata `string names = "water 1.333, bk7 1.5046"` of a number. Nothing when it has none.
+std::optional<std::vector<std::pair<std::string, float>>> namedNumbers(const lang::Parameter& parameter) {
+  for (const lang::MetadataValue& entry : parameter.metadata) {
+    const auto* texts = std::get_if<std::vector<std::string>>(&entry.value);
+    if (entry.name != "names" || !texts || texts->empty() || parameter.type != lang::types::floating) continue;
+    std::vector<std::pair<std::string, float>> numbers;
+    std::string_view rest = texts->front();
+    while (!rest.empty()) {
+      const std::size_t comma = rest.find(',');
+      const std::string_view one = scene::trim(rest.substr(0, comma));
+      rest = comma == std::string_view::npos ? std::string_view{} : rest.substr(comma + 1);
+      const std::size_t space = one.rfind(' ');
+      scene::TextError error;
+      const auto number = space == one.npos ? std::nullopt : scene::parseFloat(one.substr(space + 1), error);
+      if (number) numbers.emplace_back(std::string(scene::trim(one.substr(0, space))), *number);
+    }
+    return numbers;
+  }
+  return {};
+}
+
+/// The number that a text names; nothing when the parameter takes no names. An unknown name is an error.
+std::optional<scene::Value> namedNumber(const lang::Parameter& parameter, const scene::ShaderParameter& given,
+                                        bool& isKnown, Diagnostics& errors) {
+  const auto* text = std::get_if<std::string>(&given.value);
+  const auto numbers = text ? namedNumbers(parameter) : std::nullopt;
+  if (!numbers) return {};
+  std::string lower = *text;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::vector<std::string> names;
+  std::string list;
+  for (const auto& [name, number] : *numbers) {
+    if (name == lower) return scene::Value(number);
+    names.push_back(name);
+    list += (list.empty() ? "known names: " : ", ") + name;
+  }
+  isKnown = false;
+  Diagnostic error{.location = given.valueLocation,
+                   .message = fmt::format("'{}' is no number, and no name that '{}' knows", *text, parameter.name)};
+  if (const std::string hint = didYouMean(lower, names); !hint.empty()) error.notes.push_back(hint);
+  error.notes.push_back(list);
+  errors.add(std::move(error));
+  return {};
+}
+
 bool isOfKind(const scene::ShaderUse& use, const lang::Program& program, std::string_view kind, Diagnostics& errors) {
   if (program.kind == kind || program.kind == "shader") return true;
   errors.error(use.nameLocation, fmt::format("'{}' is a {} shader; a {} shader is needed here",
@@ -154,7 +203,12 @@ std::optional<lang::GivenValue> givenValue(const lang::Program& program, const s
   }
   const lang::Type& type = program.parameters[*index].type;
   const std::optional<ValueType> wanted = sceneType(type);
-  const std::optional<scene::Value> value = wanted ? parameter.convertTo(*wanted) : std::nullopt;
+  std::optional<scene::Value> value = wanted ? parameter.convertTo(*wanted) : std::nullopt;
+  if (!value) {
+    bool isKnown = true;
+    value = namedNumber(program.parameters[*index], parameter, isKnown, errors);
+    if (!isKnown) return std::nullopt;
+  }
   if (!value) {
     errors.error(parameter.valueLocation,
                  fmt::format("parameter '{}' of shader '{}' is a {}; {} does not fit", parameter.name, program.name,

@@ -11,7 +11,7 @@ namespace aerosol::render {
 /// Weights and parameters of a shader's closure sites, as the kernel delivered them.
 struct SurfaceAnswer {
   static constexpr std::size_t maximumSites = 16;
-  static constexpr std::size_t maximumParameters = 16;
+  static constexpr std::size_t maximumParameters = 24;
 
   struct Site {
     Color weight;
@@ -20,5 +20,12 @@ struct SurfaceAnswer {
   std::array<Site, maximumSites> sites;
   std::uint32_t siteCount = 0;
 };
+
+/// What the texture of a light says: the weights of its closures.
+inline Color lightTextureOf(const SurfaceAnswer& answer) {
+  Color sum;
+  for (std::uint32_t i = 0; i < answer.siteCount; ++i) sum += answer.sites[i].weight;
+  return isFinite(sum) ? sum : Color();
+}
 
 }  // namespace aerosol::render

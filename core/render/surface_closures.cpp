@@ -35,9 +35,13 @@ void normalizeDirections(const Closure& closure, std::span<float> parameters, No
   }
 }
 
-bool isSoundSite(const Closure& closure, const SurfaceAnswer::Site& site) {
-  std::size_t count = 0;
-  for (const DescribedField& field : closure.fields()) count += static_cast<std::size_t>(field.components());
+std::size_t parameterCount(const PreparedObject& object, std::size_t site) {
+  const std::size_t layers = object.layers.empty() ? 0 : object.layers[site].size();
+  return static_cast<std::size_t>(componentCount(object.closures[site]->fields())) + 3 * layers;
+}
+
+bool isSoundSite(const PreparedObject& object, std::size_t index, const SurfaceAnswer::Site& site) {
+  const auto count = static_cast<std::ptrdiff_t>(parameterCount(object, index));
   return isFinite(site.weight) && std::all_of(site.parameters.begin(), site.parameters.begin() + count,
                                               [](float parameter) { return std::isfinite(parameter); });
 }
@@ -46,26 +50,57 @@ bool isSoundSite(const Closure& closure, const SurfaceAnswer::Site& site) {
 
 SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnswer& answer,
                                  const accel::SurfaceHit& hit, Vector<World> direction,
-                                 const volume::Crossing* crossing)
-    : answer_(answer) {
-  std::size_t count = 0;
+                                 const volume::Crossing* crossing) {
+  // Sites beyond the shader's own hold nothing and are not copied.
+  std::copy_n(answer.sites.begin(), answer.siteCount, answer_.sites.begin());
+  answer_.siteCount = answer.siteCount;
+  std::array<bool, SurfaceAnswer::maximumSites> isSound{};
   for (std::uint32_t i = 0; i < answer_.siteCount; ++i) {
     SurfaceAnswer::Site& site = answer_.sites[i];
-    if (!object.closures[i] || isBlack(site.weight)) continue;
-    if (object.closures[i]->kind() == ClosureKind::interior) continue;
-    if (!isSoundSite(*object.closures[i], site)) {
-      if (!invalidSite_) invalidSite_ = i;
-      continue;
-    }
-    normalizeDirections(*object.closures[i], site.parameters, hit.shadingNormal);
-    terms_[count++] = {object.closures[i], site.weight, site.parameters};
+    const bool isUsed = object.closures[i] && (!isBlack(site.weight) || !object.layers.empty());
+    if (!isUsed || object.closures[i]->kind() == ClosureKind::interior) continue;
+    isSound[i] = isSoundSite(object, i, site);
+    if (isSound[i]) normalizeDirections(*object.closures[i], site.parameters, hit.shadingNormal);
+    if (!isSound[i] && !invalidSite_) invalidSite_ = i;
   }
   ClosurePoint point{-direction, hit.geometricNormal};
   if (crossing) {
     point.iorNear = crossing->iorBefore;
     point.iorFar = crossing->iorAfter;
   }
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < answer_.siteCount; ++i) {
+    if (!isSound[i] || isBlack(answer_.sites[i].weight)) continue;
+    if (object.closures[i]->kind() == ClosureKind::shadowing) continue;
+    const Color weight = object.layers.empty() ? answer_.sites[i].weight : weightBelow(object, i, isSound, point);
+    if (isBlack(weight)) continue;
+    WeightedClosure& term = terms_[count++];
+    term = {object.closures[i], weight, answer_.sites[i].parameters};
+    if (object.layers.empty()) continue;
+    for (const lang::ClosureLayer& layer : object.layers[i]) {
+      if (!isSound[layer.top] || object.closures[layer.top]->kind() != ClosureKind::shadowing) continue;
+      term.shadowing = object.closures[layer.top];
+      term.shadowingParameters = answer_.sites[layer.top].parameters;
+    }
+  }
   mix_.emplace(std::span(terms_.data(), count), point);
+}
+
+/// The weight of a site that is seen through others: each lets pass what it does not scatter itself, 1 - w albedo
+/// (OSL's layer: the albedo is that towards the viewer, so the sum gains no energy).
+Color SurfaceClosures::weightBelow(const PreparedObject& object, std::uint32_t site, std::span<const bool> isSound,
+                                   const ClosurePoint& point) const {
+  Color weight = answer_.sites[site].weight;
+  std::size_t at = static_cast<std::size_t>(componentCount(object.closures[site]->fields()));
+  for (const lang::ClosureLayer& layer : object.layers[site]) {
+    const auto& p = answer_.sites[site].parameters;
+    const Color amount(p[at], p[at + 1], p[at + 2]);
+    at += 3;
+    if (!isSound[layer.top] || isBlack(amount)) continue;
+    const Color hidden = amount * object.closures[layer.top]->albedo(answer_.sites[layer.top].parameters, point);
+    for (int i = 0; i < 3; ++i) weight[i] *= std::clamp(1 - hidden[i], 0.0f, 1.0f);
+  }
+  return weight;
 }
 
 }  // namespace aerosol::render

@@ -27,6 +27,9 @@ class SurfaceClosures {
   std::optional<std::uint32_t> invalidSite() const { return invalidSite_; }
 
  private:
+  Color weightBelow(const PreparedObject& object, std::uint32_t site, std::span<const bool> isSound,
+                    const ClosurePoint& point) const;
+
   SurfaceAnswer answer_;
   std::array<WeightedClosure, SurfaceAnswer::maximumSites> terms_;
   std::optional<ClosureMix> mix_;

@@ -71,6 +71,7 @@ struct ShaderUse {
   std::vector<ShaderParameter> parameters;
   std::vector<ShaderInput> inputs;
   std::optional<ShaderCode> code;
+  bool isMaterial = false;  ///< A `<bsdf>`: as a layer it feeds a closure.
   Origin origin;
   SourceLocation nameLocation;
 
@@ -221,15 +222,22 @@ struct Sensor {
   FieldOfView fieldOfView() const;
 };
 
-enum class EmitterType : std::uint8_t { point, directional, constant, area };
+enum class EmitterType : std::uint8_t { point, directional, constant, area, envmap, spot };
 
 struct Emitter {
   EmitterType type = EmitterType::constant;
-  /// Point: radiant intensity (W/sr). Directional: irradiance (W/m²) at right angles. Constant, area: radiance.
+  /// Point, spot: radiant intensity (W/sr). Directional: irradiance (W/m²) at right angles. Constant, area: radiance.
   Color emitted{1, 1, 1};
   Point<World> position;             ///< Of a point.
   float radius = 0;                  ///< Of a point: no ray comes nearer; 0: only rays that meet it are kept off.
   Vector<World> direction{0, 0, 1};  ///< Of a directional light: where it travels; unit length.
+  Transform<World, Object> toWorld;  ///< Of an envmap and of a spot, which shines along +z.
+  std::filesystem::path file;        ///< Of an envmap: an existing image.
+  float scale = 1;                   ///< Of an envmap.
+  float cutoffAngle = 20;            ///< Of a spot: degrees from its axis.
+  std::optional<float> beamWidth;    ///< Of a spot: degrees to where it begins to fall off.
+  /// A shader among the materials, of which the weight of the only closure multiplies what is emitted.
+  std::optional<std::size_t> texture;
   Origin origin;
 };
 
@@ -240,18 +248,21 @@ struct NamedValue {
   Value value;
 };
 
-enum class ShapeType : std::uint8_t { obj, ply, sphere, cube, rectangle, disk };
+enum class ShapeType : std::uint8_t { obj, ply, sphere, cube, rectangle, disk, cylinder };
 
 /// Canonical forms, before `toWorld`: a sphere of `radius` about `center`; a cube from -1 to 1; a rectangle from -1 to
-/// 1 in x and y at z = 0; a disk of radius 1 at z = 0. The normals of the last two point along +z.
+/// 1 in x and y at z = 0; a disk of radius 1 at z = 0; the normals of these two point along +z. A cylinder of `radius`
+/// around the line from `center` to `end`, without caps.
 struct Shape {
   ShapeType type = ShapeType::sphere;
   Placement<World, Object> toWorld;
   std::filesystem::path file;  ///< Of obj and ply: an existing file.
   Point<Object> center;
+  Point<Object> end{0, 0, 1};  ///< Of a cylinder.
   float radius = 1;
   bool flipNormals = false;
   bool faceNormals = false;
+  std::optional<bool> flipTexCoords;  ///< Of obj and ply: v of the file counts from below. Not given: of obj it does.
   Index material = 0;
   std::optional<Index> interior;  ///< Surface-defined, exclusive medium on the side away from the normal.
   std::optional<Index> exterior;

@@ -54,6 +54,13 @@ struct Field {
   std::function<void(T&, const std::vector<MotionKey>&)> animate = {};
 };
 
+/// A parameter that other renderers know and that changes nothing here: a warning says so.
+template <class T>
+Field<T> fieldWithoutEffect(const char* name, ValueType type) {
+  return {{.name = name, .type = type, .doc = "has no effect", .withoutEffect = true},
+          [](T&, const Value&) { return std::string(); }};
+}
+
 /// The objects of one XML type.
 template <class T>
 struct TypeTable {

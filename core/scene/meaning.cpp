@@ -30,7 +30,8 @@ class SceneBuilder {
   SceneDescription build() {
     readSensorTree();
     if (const Element* integrator = singleOf("integrator")) {
-      readTyped(*integrator, integratorTypes(), scene_.integrator);
+      const auto type = readTyped(*integrator, integratorTypes(), scene_.integrator);
+      if (type && integratorTypes()[*type].type == "direct") scene_.integrator.maxDepth = 2;
       ids_.children(*integrator, {}, reporter_);
     } else {
       scene_.integrator.origin.location = tree_.scene.location;
@@ -116,15 +117,57 @@ class SceneBuilder {
   std::optional<Emitter> readEmitter(const Element& element) {
     Emitter emitter;
     const auto type = readTyped(element, emitterTypes(), emitter);
-    ids_.children(element, {}, reporter_);
     if (!type) return std::nullopt;
     emitter.type = static_cast<EmitterType>(*type);
+    readLightTexture(element, emitter);
+    if (emitter.origin.has("filename")) findEmitterFile(emitter);
+    if (emitter.beamWidth && *emitter.beamWidth > emitter.cutoffAngle) {
+      reporter_.error(emitter.origin.of("beam_width"), "'beam_width' is wider than 'cutoff_angle'");
+    }
     for (const char* other : {"position", "direction"}) {
       if (!emitter.origin.has(other) || !emitter.origin.has("to_world")) continue;
       reporter_.error(emitter.origin.of("to_world"),
                       fmt::format("'to_world' and '{}' both place the light: write one of them", other));
     }
     return emitter;
+  }
+
+  /// The texture inside of an area light (its radiance) or of a spot.
+  void readLightTexture(const Element& element, Emitter& emitter) {
+    const bool isArea = emitter.type == EmitterType::area, isSpot = emitter.type == EmitterType::spot;
+    const std::vector<std::string> tags =
+        isArea || isSpot ? std::vector<std::string>{"texture"} : std::vector<std::string>{};
+    const Child texture = IdTable::single(ids_.children(element, tags, reporter_), "texture", reporter_);
+    if (!texture.object) return;
+    const std::string wanted = isArea ? "radiance" : "texture";
+    const std::string& name = texture.use->name;
+    if (name != wanted) {
+      reporter_.error(name.empty() ? texture.use->location : texture.use->nameLocation,
+                      fmt::format("a texture in {} needs name=\"{}\"", describe(element), wanted));
+    } else if (emitter.origin.has(wanted)) {
+      reporter_.error(texture.use->nameLocation, fmt::format("parameter '{}' is given twice", wanted),
+                      {fmt::format("the first one is at {}", format(emitter.origin.of(wanted)))});
+    } else {
+      emitter.texture = shaders_.lightTexture(texture);
+    }
+  }
+
+  void findEmitterFile(Emitter& emitter) {
+    const std::string name = emitter.file.string();
+    const SourceLocation& place = emitter.origin.of("filename");
+    if (const auto found = findSceneFile(name, place)) emitter.file = *found;
+  }
+
+  /// A file that an object names, next to the scene or in a `<path>`; reported when it is missing.
+  std::optional<std::filesystem::path> findSceneFile(const std::string& name, const SourceLocation& place) {
+    const SourceText* text = texts_.find(place.file);
+    const std::filesystem::path directory = text ? text->directory() : std::filesystem::path();
+    auto found = findFile(name, directory, tree_.searchPath);
+    if (!found && !name.empty()) {
+      reporter_.error(place, fmt::format("there is no file '{}'", name),
+                      {describeSearch(name, directory, tree_.searchPath)});
+    }
+    return found;
   }
 
   void readSceneEmitter(const Element& element) {
@@ -136,9 +179,11 @@ class SceneBuilder {
     }
     std::optional<Emitter> emitter = readEmitter(element);
     if (!emitter) return;
-    if (emitter->type == EmitterType::constant) {
-      const auto first = std::find_if(scene_.emitters.begin(), scene_.emitters.end(),
-                                      [](const Emitter& e) { return e.type == EmitterType::constant; });
+    const auto surrounds = [](const Emitter& e) {
+      return e.type == EmitterType::constant || e.type == EmitterType::envmap;
+    };
+    if (surrounds(*emitter)) {
+      const auto first = std::find_if(scene_.emitters.begin(), scene_.emitters.end(), surrounds);
       if (first != scene_.emitters.end()) {
         reporter_.error(element.location, "a second environment: only one emitter can surround the scene",
                         {fmt::format("the first one is at {}", format(first->origin.location))});
@@ -165,17 +210,7 @@ class SceneBuilder {
   }
 
   void findShapeFile(Shape& shape) {
-    const std::string name = shape.file.string();
-    const SourceLocation& place = shape.origin.of("filename");
-    const SourceText* text = texts_.find(place.file);
-    const std::filesystem::path directory = text ? text->directory() : std::filesystem::path();
-    const auto found = findFile(name, directory, tree_.searchPath);
-    if (found) {
-      shape.file = *found;
-    } else if (!name.empty()) {
-      reporter_.error(place, fmt::format("there is no file '{}'", name),
-                      {describeSearch(name, directory, tree_.searchPath)});
-    }
+    if (const auto found = findSceneFile(shape.file.string(), shape.origin.of("filename"))) shape.file = *found;
   }
 
   void readAreaLight(const Child& child, Shape& shape) {

@@ -24,6 +24,7 @@ ShaderUse ShaderBuilder::shaderOf(const Element& element, const std::vector<cons
   ShaderUse shader;
   shader.name = element.type;
   shader.nameLocation = element.typeLocation;
+  shader.isMaterial = element.tag == "bsdf";
   shader.origin.id = element.id;
   shader.origin.location = element.location;
   for (const Property* property : properties) {
@@ -98,6 +99,19 @@ Index ShaderBuilder::material(const Element& element) {
   addInputs(ids_.children(element, nestedTags(element.tag), reporter_), scene_.materials[index]);
   open_.pop_back();
   return index;
+}
+
+std::optional<Index> ShaderBuilder::lightTexture(const Child& texture) {
+  const std::optional<Index> source = layer(texture);
+  if (!source) return std::nullopt;
+  ShaderUse shader;
+  shader.name = "light_texture";
+  shader.nameLocation = texture.use->location;
+  shader.origin.location = texture.use->location;
+  shader.inputs.push_back(
+      {"texture_color", texture.use->output, *source, texture.use->location, texture.use->outputLocation});
+  scene_.materials.push_back(std::move(shader));
+  return scene_.materials.size() - 1;
 }
 
 Index ShaderBuilder::medium(const Element& element) {

@@ -19,6 +19,8 @@ class ShaderBuilder {
 
   Index material(const Element& element);
   Index medium(const Element& element);
+  /// The texture of a light as a material that emits it.
+  std::optional<Index> lightTexture(const Child& texture);
   /// What a shape without bsdf is made of, as Mitsuba has it: grey diffuse, or black diffuse when it emits.
   Index defaultMaterial(const SourceLocation& shape, bool emits);
 

@@ -9,6 +9,7 @@
 
 #include "core/scene/attributes.h"
 #include "core/scene/definitions.h"
+#include "core/scene/spectrum_reader.h"
 #include "core/scene/transform_reader.h"
 #include "core/scene/xml_reader.h"
 
@@ -355,17 +356,22 @@ class TreeReader {
     std::vector<std::string> optional;
     if (split)
       optional = {"value", "x", "y", "z"};
+    else if (xml.tag == "spectrum")
+      optional = {"value", "type", "filename"};
     else if (type != ValueType::transform)
       required.emplace_back("value");
     const Attributes attributes(xml, required, optional, context());
-    if (type != ValueType::transform) expectNoChildren(xml);
+    const bool isKind = xml.tag == "spectrum" && attributes.has("type");
+    if (type != ValueType::transform && !isKind) expectNoChildren(xml);
     if (!attributes.has("name")) return;
     Property property{.name = attributes.text("name"),
                       .tag = xml.tag,
                       .value = std::nullopt,
                       .location = at(xml),
                       .nameLocation = attributes.at("name"),
-                      .valueLocation = attributes.at("value")};
+                      .valueLocation = attributes.at(isKind                       ? "type"
+                                                     : attributes.has("filename") ? "filename"
+                                                                                  : "value")};
     if (xml.tag == "animation") {
       if (auto keys = readAnimation(xml, context())) {
         property.value = keys->front().matrix;
@@ -373,8 +379,12 @@ class TreeReader {
       }
     } else if (type == ValueType::transform) {
       property.value = readTransform(xml, context());
+    } else if (attributes.valid() && xml.tag == "spectrum") {
+      property.value =
+          readSpectrum(xml, attributes, object.tag == "emitter" ? SpectrumUse::emitted : SpectrumUse::factor,
+                       tree_.searchPath, context());
     } else if (attributes.valid()) {
-      property.value = split ? readSplit(xml, attributes, type) : readText(xml, attributes, type);
+      property.value = split ? readSplit(xml, attributes, type) : readText(attributes, type);
     }
     if (const Property* first = findProperty(object, property.name)) {
       reporter_.error(property.nameLocation, fmt::format("parameter '{}' is given twice", property.name),
@@ -391,16 +401,10 @@ class TreeReader {
     return nullptr;
   }
 
-  std::optional<Value> readText(const XmlElement& xml, const Attributes& attributes, ValueType type) {
+  std::optional<Value> readText(const Attributes& attributes, ValueType type) {
     const Attribute& attribute = *attributes.find("value");
     TextError error;
-    std::optional<Value> value;
-    const std::size_t colon = attribute.value.find(':');
-    if (xml.tag == "spectrum" && colon != std::string::npos) {
-      error = {colon, "a spectrum by wavelengths is not read here: give one number, or three as <rgb>"};
-    } else {
-      value = parseValue(type, attribute.value, error);
-    }
+    std::optional<Value> value = parseValue(type, attribute.value, error);
     if (!value) attributes.report(attribute, error);
     return value;
   }
@@ -414,7 +418,7 @@ class TreeReader {
                       fmt::format("<{}> needs either 'value' or some of 'x', 'y' and 'z'", xml.tag));
       return std::nullopt;
     }
-    if (whole) return readText(xml, attributes, type);
+    if (whole) return readText(attributes, type);
     float numbers[3] = {0, 0, 0};
     const char* const names[] = {"x", "y", "z"};
     for (std::size_t i = 0; i < 3; ++i) {

@@ -69,6 +69,13 @@ std::vector<Field<Sensor>> perspectiveFields() {
   return fields;
 }
 
+/// Exporters write where a lens would be sharp for pinholes too.
+std::vector<Field<Sensor>> pinholeFields() {
+  std::vector<Field<Sensor>> fields = perspectiveFields();
+  fields.push_back(fieldWithoutEffect<Sensor>("focus_distance", ValueType::number));
+  return fields;
+}
+
 std::vector<Field<Sensor>> thinlensFields() {
   std::vector<Field<Sensor>> fields = perspectiveFields();
   fields.push_back(field<&Sensor::apertureRadius>({.name = "aperture_radius",
@@ -115,7 +122,7 @@ const std::vector<TypeTable<Sensor>>& sensorTypes() {
   static const std::vector<TypeTable<Sensor>> tables = {
       {.type = "perspective",
        .doc = "a pinhole camera",
-       .fields = perspectiveFields(),
+       .fields = pinholeFields(),
        .nested = "film, sampler, medium (what the camera stands in)"},
       {.type = "thinlens",
        .doc = "a camera with a lens, hence depth of field",
@@ -159,7 +166,9 @@ const std::vector<TypeTable<Film>>& filmTypes() {
                .doc = "the file's name on the command line decides; OpenEXR is what this film is made for",
                .defaultValue = std::string("openexr"),
                .choices = {"openexr"}},
-              [](Film&, const Value&) { return std::string(); }}},
+              [](Film&, const Value&) { return std::string(); }},
+             fieldWithoutEffect<Film>("sample_border", ValueType::boolean),
+             fieldWithoutEffect<Film>("compensate", ValueType::boolean)},
         .nested = "rfilter"}};
   return tables;
 }

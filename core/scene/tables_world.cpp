@@ -21,6 +21,9 @@ std::vector<Field<Shape>> shapeFields(bool fromFile) {
   if (!fromFile) return fields;
   fields.push_back(
       field<&Shape::faceNormals>({.name = "face_normals", .doc = "flat triangles: normals of the file are not used"}));
+  fields.push_back(field<&Shape::flipTexCoords>({.name = "flip_tex_coords",
+                                                 .doc = "the file's v runs upwards, that of images downwards",
+                                                 .defaultText = "true for obj, false for ply"}));
   // The reader finds the file and puts in its path: the text alone does not say where it lies.
   fields.push_back({{.name = "filename",
                      .type = ValueType::string,
@@ -44,6 +47,26 @@ std::vector<Field<Shape>> sphereFields() {
   std::vector<Field<Shape>> fields = shapeFields(false);
   fields.push_back(
       field<&Shape::center>({.name = "center", .unit = "scene units", .doc = "centre, in the shape's own space"}));
+  fields.push_back(field<&Shape::radius>({.name = "radius",
+                                          .unit = "scene units",
+                                          .doc = "radius, in the shape's own space",
+                                          .range = Range::positive()}));
+  return fields;
+}
+
+std::vector<Field<Shape>> cylinderFields() {
+  std::vector<Field<Shape>> fields = shapeFields(false);
+  const auto end = [](const char* name, const char* doc, Point<Unplaced> standard, Point<Object> Shape::* member) {
+    return Field<Shape>{
+        {.name = name, .type = ValueType::point, .unit = "scene units", .doc = doc, .defaultValue = standard},
+        [member](Shape& shape, const Value& value) -> std::string {
+          const auto& p = std::get<Point<Unplaced>>(value);
+          shape.*member = {p.x, p.y, p.z};
+          return shape.center == shape.end ? "both ends of the cylinder are the same" : "";
+        }};
+  };
+  fields.push_back(end("p0", "one end, in the shape's own space", {0, 0, 0}, &Shape::center));
+  fields.push_back(end("p1", "the other end", {0, 0, 1}, &Shape::end));
   fields.push_back(field<&Shape::radius>({.name = "radius",
                                           .unit = "scene units",
                                           .doc = "radius, in the shape's own space",
@@ -83,43 +106,102 @@ Field<Emitter> directionField() {
           }};
 }
 
+std::vector<Field<Emitter>> environmentFields() {
+  // The reader finds the file, as it does for shapes.
+  Field<Emitter> file{{.name = "filename",
+                       .type = ValueType::string,
+                       .doc = "image by latitude and longitude, relative to the scene file or to a <path>",
+                       .required = true},
+                      [](Emitter& emitter, const Value& value) -> std::string {
+                        emitter.file = std::get<std::string>(value);
+                        return emitter.file.empty() ? "'filename' is empty" : "";
+                      }};
+  Field<Emitter> compensation{{.name = "mis_compensation",
+                               .type = ValueType::boolean,
+                               .doc = "known from other renderers: here it is always on",
+                               .defaultText = "true"},
+                              [](Emitter&, const Value&) { return std::string(); }};
+  return {std::move(file),
+          field<&Emitter::scale>({.name = "scale", .doc = "factor on the image", .range = Range::atLeast(0)}),
+          field<&Emitter::toWorld>(
+              {.name = "to_world", .doc = "turns the image, whose middle lies at -z", .defaultText = "identity"}),
+          std::move(compensation)};
+}
+
+std::vector<Field<Emitter>> spotFields() {
+  const Range angle{.minimum = 0, .maximum = 90, .openMinimum = true, .openMaximum = true};
+  return {
+      emittedField("intensity", "W/sr", "radiant intensity along the axis"),
+      field<&Emitter::toWorld>(
+          {.name = "to_world", .doc = "places the light, which shines along +z", .defaultText = "identity"}),
+      field<&Emitter::cutoffAngle>(
+          {.name = "cutoff_angle", .unit = "degrees", .doc = "from the axis to where the light ends", .range = angle}),
+      field<&Emitter::beamWidth>({.name = "beam_width",
+                                  .unit = "degrees",
+                                  .doc = "from the axis to where it begins to fall off",
+                                  .defaultText = "3/4 cutoff_angle",
+                                  .range = Range{.minimum = 0, .maximum = 90, .openMaximum = true}})};
+}
+
+}  // namespace
+
+namespace {
+
+/// The numbers of samples of other renderers: here one path makes both kinds at each sample.
+std::vector<Field<Integrator>> directFields() {
+  std::vector<Field<Integrator>> fields = {
+      field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"})};
+  for (const char* name : {"shading_samples", "emitter_samples", "bsdf_samples", "samples_per_pass", "block_size"}) {
+    fields.push_back(fieldWithoutEffect<Integrator>(name, ValueType::integer));
+  }
+  return fields;
+}
+
 }  // namespace
 
 const std::vector<TypeTable<Integrator>>& integratorTypes() {
-  static const std::vector<TypeTable<Integrator>> tables = {
-      {.type = "path",
-       .doc = "path tracing of surfaces and media, with light sampling",
-       .aliases = {"volpath", "volpathmis"},
-       .fields = {
-           field<&Integrator::maxDepth>({.name = "max_depth",
-                                         .doc = "longest path: 1 shows emitters, 2 adds direct light; -1 is unbounded",
-                                         .range = Range::atLeast(-1)}),
-           field<&Integrator::rrDepth>({.name = "rr_depth",
-                                        .doc = "path length from which Russian roulette is played",
-                                        .range = Range::atLeast(1)}),
-           field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
-           field<&Integrator::lowerPriorityWins>(
-               {.name = "lower_priority_wins",
-                .doc = "where media inside of surfaces overlap, the lower priority rules, not the higher"}),
-           field<&Integrator::distance>({.name = "distance", .doc = "distance sampling of media that do not choose"}),
-           field<&Integrator::overlap>(
-               {.name = "overlap",
-                .doc = "how volume primitives along a ray are found: all of them, then sorted and split; or by "
-                       "walking a partition of space as far as the path comes; auto decides by how many overlap"}),
-           field<&Integrator::transmittance>(
-               {.name = "transmittance", .doc = "transmittance to lights through media that do not choose"}),
-           field<&Integrator::equiangular>(
-               {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
-           field<&Integrator::stepScale>(
-               {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
-           field<&Integrator::boundBoxes>({.name = "bound_boxes",
-                                           .doc = "boxes over which bounds of the media's shaders are evaluated before "
-                                                  "the render, all media together",
-                                           .range = Range::atLeast(0)}),
-           field<&Integrator::boundMegabytes>({.name = "bound_megabytes",
-                                               .unit = "MB",
-                                               .doc = "memory for these bounds, all media together",
-                                               .range = Range::atLeast(0)})}}};
+  static const std::vector<TypeTable<Integrator>> tables =
+      {{.type = "path",
+        .doc = "path tracing of surfaces and media, with light sampling",
+        .aliases = {"volpath", "volpathmis"},
+        .fields =
+            {field<&Integrator::maxDepth>(
+                 {.name = "max_depth",
+                  .doc = "longest path: 1 shows emitters, 2 adds direct light; -1 is unbounded",
+                  .range = Range::atLeast(-1)}),
+             field<&Integrator::rrDepth>({.name = "rr_depth",
+                                          .doc = "path length from which Russian roulette is played",
+                                          .range = Range::atLeast(1)}),
+             field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
+             field<&Integrator::lowerPriorityWins>(
+                 {.name = "lower_priority_wins",
+                  .doc = "where media inside of surfaces overlap, the lower priority rules, not the higher"}),
+             field<&Integrator::distance>({.name = "distance", .doc = "distance sampling of media that do not choose"}),
+             field<&Integrator::overlap>(
+                 {.name = "overlap",
+                  .doc = "how volume primitives along a ray are found: all of them, then sorted and split; or by "
+                         "walking a partition of space as far as the path comes; auto decides by how many overlap"}),
+             field<&Integrator::transmittance>(
+                 {.name = "transmittance", .doc = "transmittance to lights through media that do not choose"}),
+             field<&Integrator::equiangular>(
+                 {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
+             field<&Integrator::stepScale>(
+                 {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
+             field<&Integrator::boundBoxes>({.name = "bound_boxes",
+                                             .doc =
+                                                 "boxes over which bounds of the media's shaders are evaluated before "
+                                                 "the render, all media together",
+                                             .range = Range::atLeast(0)}),
+             field<&Integrator::boundMegabytes>({.name = "bound_megabytes",
+                                                 .unit = "MB",
+                                                 .doc = "memory for these bounds, all media together",
+                                                 .range = Range::atLeast(0)}),
+             fieldWithoutEffect<Integrator>("samples_per_pass", ValueType::integer),
+             fieldWithoutEffect<Integrator>("block_size", ValueType::integer),
+             fieldWithoutEffect<Integrator>("use_spectral_mis", ValueType::boolean)}},
+       {.type = "direct",
+        .doc = "what lights reach at once: path tracing with a max_depth of 2",
+        .fields = directFields()}};
   return tables;
 }
 
@@ -130,7 +212,8 @@ const std::vector<TypeTable<Shape>>& shapeTypes() {
       shapeTable("sphere", "a sphere", sphereFields()),
       shapeTable("cube", "a cube from -1 to 1 on each axis", shapeFields(false)),
       shapeTable("rectangle", "a square from -1 to 1 in x and y, facing +z", shapeFields(false)),
-      shapeTable("disk", "a disk of radius 1 in x and y, facing +z", shapeFields(false))};
+      shapeTable("disk", "a disk of radius 1 in x and y, facing +z", shapeFields(false)),
+      shapeTable("cylinder", "a cylinder between two points, without caps", cylinderFields())};
   return tables;
 }
 
@@ -155,7 +238,10 @@ const std::vector<TypeTable<Emitter>>& emitterTypes() {
        .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance")}},
       {.type = "area",
        .doc = "light from the surface of the shape it stands in",
-       .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance")}}};
+       .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance, or a texture of it")},
+       .nested = "texture named radiance"},
+      {.type = "envmap", .doc = "light from all around, by an image", .fields = environmentFields()},
+      {.type = "spot", .doc = "light from one point into a cone", .fields = spotFields(), .nested = "texture"}};
   return tables;
 }
 

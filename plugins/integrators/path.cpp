@@ -158,13 +158,18 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     passed = nesting.last;
     co_return Step::passes;
   }
-  const bool isHidden = scene.path.hideEmitters && state.length == 1;
-  if (object.light && !isHidden) {
-    radiance.color += state.throughput * metLight(scene, *object.light, hit, state.ray.direction, state.direction);
-  }
-  radiance.alpha = 1;
   const SurfaceClosures closures(object, answer, hit, state.ray.direction,
                                  nesting.isInterface ? &nesting.crossing : nullptr);
+  radiance.alpha = std::max(radiance.alpha, 1 - std::clamp(average(closures.mix().holdout()), 0.0f, 1.0f));
+  const bool isHidden = scene.path.hideEmitters && state.length == 1;
+  if (object.light && !isHidden) {
+    Color emitted = metLight(scene, *object.light, hit, state.ray.direction, state.direction);
+    if (scene.lightTextures[*object.light]) {
+      const shading::ShadingPoint met = shadingPointOf(hit, state.ray);
+      emitted *= co_await lightTexture(path, *object.light, met);
+    }
+    radiance.color += state.throughput * emitted;
+  }
   if (const auto invalid = closures.invalidSite()) [[unlikely]] {
     ++path.statistics().invalidClosures;
     scene.messages->reportInvalidSurface(hit.object, *invalid, hit.point, path.id());

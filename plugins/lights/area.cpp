@@ -1,4 +1,5 @@
-// A shape that shines: the same radiance from every point of its outside, in every direction.
+// A shape that shines: the same radiance in every direction from every point of its outside, where no texture
+// says otherwise.
 
 #include <numbers>
 
@@ -10,8 +11,9 @@ namespace {
 
 class AreaLight final : public Light {
  public:
-  AreaLight(std::shared_ptr<const LightSurface> surface, Color radiance)
-      : surface_(std::move(surface)), radiance_(radiance) {}
+  /// `texture` is the mean of what multiplies the radiance.
+  AreaLight(std::shared_ptr<const LightSurface> surface, Color radiance, Color texture)
+      : surface_(std::move(surface)), radiance_(radiance), mean_(radiance * texture) {}
 
   std::optional<LightSample> sample(Point<World> from, const LightUniforms& u) const override {
     return toLight(surface_->sample(from, u));
@@ -27,7 +29,7 @@ class AreaLight final : public Light {
     bounds.box = s.box;
     bounds.axis = s.normal;
     bounds.cosSpread = s.isFlat ? 1.0f : -1.0f;
-    bounds.intensity = average(abs(radiance_)) * static_cast<float>(s.isFlat ? s.area : s.area / 4);
+    bounds.intensity = average(abs(mean_)) * static_cast<float>(s.isFlat ? s.area : s.area / 4);
     return bounds;
   }
   std::optional<LightSample> samplePart(std::uint32_t part, Point<World> from, const LightUniforms& u) const override {
@@ -39,18 +41,18 @@ class AreaLight final : public Light {
   std::uint32_t partAt(const LightHit& hit) const override { return partCount() > 1 ? hit.primitive : 0; }
 
   Color power(float) const override {
-    return radiance_ * (std::numbers::pi_v<float> * static_cast<float>(surface_->area()));
+    return mean_ * (std::numbers::pi_v<float> * static_cast<float>(surface_->area()));
   }
   /// Its area over the squared distance, but no more than half of the directions.
   float importance(Point<World> at) const override {
     const auto area = static_cast<float>(surface_->area());
     const float away = squaredLength(surface_->centre() - at);
-    return average(abs(radiance_)) * area / (away + area / (2 * std::numbers::pi_v<float>));
+    return average(abs(mean_)) * area / (away + area / (2 * std::numbers::pi_v<float>));
   }
   std::optional<LightPlace> place() const override {
     return LightPlace{.centre = surface_->centre(),
                       .extent = surface_->extent(),
-                      .intensity = average(abs(radiance_)) * static_cast<float>(surface_->area() / 4)};
+                      .intensity = average(abs(mean_)) * static_cast<float>(surface_->area() / 4)};
   }
   bool isDelta() const override { return false; }
   bool isInfinite() const override { return false; }
@@ -63,15 +65,17 @@ class AreaLight final : public Light {
                        .value = radiance_,
                        .pdf = s->pdf,
                        .point = s->point,
-                       .normal = s->normal};
+                       .normal = s->normal,
+                       .u = s->u,
+                       .v = s->v};
   }
 
   std::shared_ptr<const LightSurface> surface_;
-  Color radiance_;
+  Color radiance_, mean_;
 };
 
 std::unique_ptr<const Light> make(const LightArguments& arguments) {
-  return std::make_unique<AreaLight>(arguments.surface, arguments.get<Color>("radiance"));
+  return std::make_unique<AreaLight>(arguments.surface, arguments.get<Color>("radiance"), arguments.texture);
 }
 
 }  // namespace

@@ -162,6 +162,12 @@ inline std::array<double, 2> throughSphere(const Ray<World>& ray, double radius)
   return {std::max(0.0, -b - root), std::max(0.0, -b + root)};
 }
 
+/// What a byte of an sRGB image stands for.
+inline double linearFromByte(int byte) {
+  const double x = byte / 255.0;
+  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
+
 inline Color color(const std::function<double(int)>& channel) {
   return {static_cast<float>(channel(0)), static_cast<float>(channel(1)), static_cast<float>(channel(2))};
 }

@@ -89,6 +89,104 @@ TEST(LightsOnAPlane, SeveralKindsAddUp) {
                     })));
 }
 
+/// Straight down from y = 3 above (0.2, 0): full within 20 degrees of the axis, nothing beyond 40.
+TEST(LightsOnAPlane, Spot) {
+  const TestScene scene = loadScene(direct, fromAbove, std::string(plane) + R"(<emitter type="spot">
+      <rgb name="intensity" value="5"/><float name="cutoff_angle" value="40"/><float name="beam_width" value="20"/>
+      <transform name="to_world"><rotate x="1" angle="90"/><translate x="0.2" y="3"/></transform></emitter>)");
+  EXPECT_TRUE(shows(scene, *scene.render(64), reflected([](double x, double z) {
+                      const double r = std::hypot(x - 0.2, z), angle = std::atan2(r, 3.0) * 180 / pi;
+                      const double fall = std::clamp((40 - angle) / 20, 0.0, 1.0);
+                      return 5 * fall * 3 / std::pow(r * r + 9, 1.5);
+                    }),
+                    0.003));
+}
+
+/// sky.ppm in a direction of its own space: +y the upper row, the middle of the image at -z.
+std::array<double, 3> skyAt(double x, double y, double z) {
+  constexpr int texels[3][4][3] = {{{200, 200, 250}, {120, 150, 200}, {90, 100, 180}, {130, 140, 190}},
+                                   {{100, 220, 100}, {60, 30, 20}, {255, 255, 255}, {80, 90, 100}},
+                                   {{30, 40, 30}, {50, 60, 30}, {20, 20, 20}, {90, 50, 10}}};
+  double u = std::atan2(x, -z) / (2 * pi);
+  u -= std::floor(u);
+  const double v = std::acos(std::clamp(y, -1.0, 1.0)) / pi;
+  const double s = u * 4 - 0.5, t = v * 2;
+  const int i = static_cast<int>(std::floor(s)), j = std::min(static_cast<int>(t), 1);
+  std::array<double, 3> sum{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto texel = [&](int di, int dj) { return linearFromByte(texels[j + dj][(i + di + 4) % 4][c]); };
+    const double a = s - i, b = t - j;
+    sum[c] = (1 - b) * ((1 - a) * texel(0, 0) + a * texel(1, 0)) + b * ((1 - a) * texel(0, 1) + a * texel(1, 1));
+  }
+  return sum;
+}
+
+/// An image around the scene, turned by 30 degrees about y: the irradiance by quadrature.
+TEST(LightsOnAPlane, EnvironmentMap) {
+  const TestScene scene = loadScene(direct, fromAbove,
+                                    std::string(plane) + fmt::format(R"(<emitter type="envmap">
+      <string name="filename" value="{}/sky.ppm"/><float name="scale" value="1.5"/>
+      <transform name="to_world"><rotate y="1" angle="30"/></transform></emitter>)",
+                                                                     shaderFolder().string()));
+  std::array<double, 3> irradiance{};
+  constexpr int n = 400;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < 4 * n; ++j) {
+      const double c = std::sqrt((i + 0.5) / n), sine = std::sqrt(1 - c * c), phi = 2 * pi * (j + 0.5) / (4 * n);
+      const double x = sine * std::cos(phi), z = sine * std::sin(phi);
+      // Back into the image's space: rotated about y by -30 degrees.
+      const double cosine = std::cos(pi / 6), turn = std::sin(pi / 6);
+      const auto radiance = skyAt(cosine * x - turn * z, c, turn * x + cosine * z);
+      for (std::size_t k = 0; k < 3; ++k) irradiance[k] += 1.5 * pi * radiance[k] / (4.0 * n * n);
+    }
+  }
+  EXPECT_TRUE(shows(scene, *scene.render(1024), [=](const Ray<World>&) {
+    return Color(0.8f, 0.5f, 0.2f) * color([&](int c) { return irradiance[static_cast<std::size_t>(c)] / pi; });
+  }));
+}
+
+/// The same image seen by the camera.
+TEST(Lights, AnEnvironmentMapIsSeenWhereItIs) {
+  const TestScene scene = loadScene("", {.fov = 60},
+                                    fmt::format(R"(<emitter type="envmap"><string name="filename" value="{}/sky.ppm"/>
+      </emitter>)",
+                                                shaderFolder().string()));
+  EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>& ray) {
+    const auto d = ray.direction;
+    const auto sky = skyAt(static_cast<double>(d.x), static_cast<double>(d.y), static_cast<double>(d.z));
+    return color([&](int c) { return sky[static_cast<std::size_t>(c)]; });
+  }));
+}
+
+/// A striped square overhead: what arrives from the bright stripes, found by light samples and by directions alike.
+TEST(LightsOnAPlane, TexturedRectangle) {
+  const TestScene scene = loadScene(direct, fromAbove, std::string(plane) + R"(<shape type="rectangle">
+      <transform name="to_world"><rotate x="1" angle="90"/><translate x="0" y="1.5" z="0.2"/></transform>
+      <bsdf type="diffuse"/><emitter type="area"><texture type="bars" name="radiance"/></emitter></shape>)");
+  const auto irradiance = [](double x, double z) {
+    double sum = 0;
+    for (int stripe = 0; stripe < 4; stripe += 2) {
+      sum += integrate(
+          [&](double a) {
+            return integrate(
+                [&](double b) {
+                  const double squared = (x - a) * (x - a) + 1.5 * 1.5 + (z - 0.2 - b) * (z - 0.2 - b);
+                  return 1.5 * 1.5 / (squared * squared);
+                },
+                -1, 1, 3);
+          },
+          -1 + 0.5 * stripe, -0.5 + 0.5 * stripe, 2);
+    }
+    return sum;
+  };
+  EXPECT_TRUE(shows(scene, *scene.render(1536), [&](const Ray<World>& ray) {
+    const double t = -static_cast<double>(ray.origin.y) / static_cast<double>(ray.direction.y);
+    const double x = static_cast<double>(ray.origin.x) + t * static_cast<double>(ray.direction.x);
+    const double z = static_cast<double>(ray.origin.z) + t * static_cast<double>(ray.direction.z);
+    return Color(0.8f, 0.25f, 0.05f) * static_cast<float>(irradiance(x, z) / pi);
+  }));
+}
+
 /// An absorbing slab between light and plane: Beer's law along the shadow rays and along the camera's.
 TEST(LightsThroughMedia, DirectionalThroughASlab) {
   const TestScene scene =

@@ -51,11 +51,33 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
     } else {
       // Lobes are kept wide enough for the cells in which directions are counted.
       const float value = field.minimum + static_cast<float>(place) * (field.maximum - field.minimum);
-      const bool isWidth = field.name.starts_with("roughness"), isIndex = field.name == "ior";
-      parameters.push_back(std::max(value, isWidth ? 0.5f : isIndex ? 1.6f : value));
+      const bool isWidth =
+          field.name.starts_with("roughness") || field.name.ends_with("alpha") || field.name.ends_with("rough");
+      const bool isIndex = field.name == "ior" || field.name == "eta", isGloss = field.name.ends_with("_gloss");
+      const float least = isWidth ? 0.5f : isIndex ? 1.6f : value;
+      parameters.push_back(isGloss ? 0.0f : std::max(value, least));
     }
   }
   return parameters;
+}
+
+/// Mirrors and polished boundaries: no density anywhere, and no more light than arrives.
+::testing::AssertionResult isDelta(const Closure& closure, const Parameters& p, const ClosurePoint& point,
+                                   Uniforms& random) {
+  RunningMean energy;
+  for (int i = 0; i < 20000; ++i) {
+    const auto s = closure.sample(p, point, {random.next(), random.next2D()});
+    energy.add(s ? static_cast<double>(s->weight.g / s->radianceScale) : 0);
+    if (!s) continue;
+    const bool isSound = s->isDelta && s->pdf > 0 && s->pdf <= 1 && closure.pdf(p, point, s->direction) == 0 &&
+                         isBlack(closure.evaluate(p, point, s->direction));
+    if (!isSound) return ::testing::AssertionFailure() << "both delta and not";
+  }
+  const auto expected = static_cast<double>(closure.albedo(p, point).g);
+  if (std::fabs(energy.mean() - expected) > 0.01) {
+    return ::testing::AssertionFailure() << "scatters " << energy.mean() << ", says " << expected;
+  }
+  return ::testing::AssertionSuccess();
 }
 
 /// Chi-squared of the directions, absorbed ones in a cell of their own; pdf and weight of each; mean weight against the
@@ -64,7 +86,7 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
                                         Uniforms& random) {
   const DirectionGrid grid(geometricNormal.vector(), 2, 20, 16);
   // Lobes around the poles of the grid, where its cells are wide, need small steps.
-  const int steps = closure.fields().size() > 1 ? 64 : 10;
+  const int steps = closure.fields().size() > 1 ? 40 : 10;
   std::vector<double> expected = grid.integrateCells([&](Vector<World> d) { return closure.pdf(p, point, d); }, steps);
   const std::vector<double> values =
       grid.integrateCells([&](Vector<World> d) { return closure.evaluate(p, point, d).g; }, steps);
@@ -74,7 +96,7 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
     e *= sampleCount;
   }
   for (const double v : values) energy += v;
-  if (total > 1 + 1e-3 || energy > 1 + 1e-3) {
+  if (total > 1 + 1e-3 || (closure.traits().isBounded && energy > 1 + 1e-3)) {
     return ::testing::AssertionFailure() << "pdf integrates to " << total << ", the closure to " << energy;
   }
   expected.push_back(std::max(0.0, 1 - total) * sampleCount);
@@ -92,7 +114,16 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
       return ::testing::AssertionFailure() << "a sample says pdf " << s->pdf << ", the closure " << density;
     }
   }
+  // Shading normals that the viewer sees from behind scatter nothing.
+  if (total == 0 && energy == 0 && weights.mean() == 0) return ::testing::AssertionSuccess();
+  // A thousandth may be missing from the quadrature of narrow lobes, which is not to be taken for absorption.
+  if (const double absorbed = observed.back(); absorbed < 1e-3 * sampleCount && total > 1 - 2e-3) {
+    for (double& e : expected) e *= (1 - absorbed / sampleCount) / total;
+    expected.back() = absorbed;
+  }
   if (const auto result = countsAgree(observed, expected); !result) return result;
+  // What the quadrature itself cannot tell.
+  if (std::fabs(weights.mean() - energy) < 3e-4 * energy) return ::testing::AssertionSuccess();
   // Of what scatters next to nothing the mean is told to 2e-3 of the light.
   return agrees(weights, energy, std::max(test::meanResolution, 2e-3 / energy));
 }
@@ -101,13 +132,18 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
                                  Uniforms& random) {
   const Color albedo = closure.albedo(p, point);
   if (minimum(albedo) < 0 || maximum(albedo) > 1) return ::testing::AssertionFailure() << "albedo out of range";
-  if (closure.kind() == ClosureKind::scattering) return samplesMatch(closure, p, point, random);
+  if (closure.kind() == ClosureKind::scattering) {
+    const auto first = closure.sample(p, point, {0.5f, {0.5f, 0.5f}});
+    return first && first->isDelta ? isDelta(closure, p, point, random) : samplesMatch(closure, p, point, random);
+  }
   const auto s = closure.sample(p, point, {random.next(), random.next2D()});
   const Vector<World> anywhere = tilted(0.4, 2);
   if (!isBlack(closure.evaluate(p, point, anywhere)) || closure.pdf(p, point, anywhere) != 0) {
     return ::testing::AssertionFailure() << "scatters, though it says otherwise";
   }
-  if (closure.kind() == ClosureKind::interior) return s ? ::testing::AssertionFailure() : ::testing::AssertionSuccess();
+  const bool isSilent = closure.kind() == ClosureKind::interior || closure.kind() == ClosureKind::holdout ||
+                        closure.kind() == ClosureKind::shadowing;
+  if (isSilent) return s ? ::testing::AssertionFailure() : ::testing::AssertionSuccess();
   if (closure.kind() == ClosureKind::emission) {
     return !s && isBlack(albedo) && !isBlack(closure.emitted(p, point)) ? ::testing::AssertionSuccess()
                                                                         : ::testing::AssertionFailure();
@@ -116,20 +152,88 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
   return passes ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << "does not pass straight on";
 }
 
-TEST(Closures, EveryRegisteredOne) {
+class EveryClosure : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EveryClosure, ScattersAsItSays) {
+  const Registry registry = allPlugins();
+  const Closure& closure = *registry.closure(GetParam());
+  std::uint64_t setting = 0;
+  for (const double tilt : {0.0, 0.5}) {
+    for (const double view : {0.0, 0.8, 1.5}) {
+      for (const double place : {0.05, 0.5, 1.0}) {
+        const Parameters p = parametersAt(closure, place, tilt);
+        Uniforms random(seedOfTest(setting++));
+        EXPECT_TRUE(check(closure, p, {tilted(view, 4), geometricNormal}, random))
+            << ::testing::PrintToString(p) << " view " << view;
+        if (closure.fields().empty()) return;
+      }
+    }
+  }
+}
+
+/// f / η² of the light's side is the same seen from either end, where a closure claims that.
+TEST_P(EveryClosure, IsReciprocalWhereItSaysSo) {
+  const Registry registry = allPlugins();
+  const Closure& closure = *registry.closure(GetParam());
+  if (closure.kind() != ClosureKind::scattering || !closure.traits().isReciprocal) return;
+  Uniforms random(seedOfTest());
+  for (const double place : {0.05, 0.5, 1.0}) {
+    const Parameters p = parametersAt(closure, place, 0);
+    for (int i = 0; i < 200; ++i) {
+      const auto [x, y] = random.next2D();
+      const Vector<World> a = tilted(1.5 * static_cast<double>(x), 6 * static_cast<double>(y)),
+                          b = tilted(3.1 * static_cast<double>(y), 5 * static_cast<double>(random.next()));
+      const auto f = [&](Vector<World> viewer, Vector<World> light) {
+        return closure.evaluate(p, {viewer, geometricNormal}, light).g / std::fabs(dot(light, geometricNormal));
+      };
+      EXPECT_NEAR(f(a, b), f(b, a), 1e-4f * std::max(1.0f, f(a, b)));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Closures, EveryClosure, ::testing::ValuesIn([] {
+                           std::vector<std::string> names;
+                           const Registry registry = allPlugins();
+                           for (const auto& closure : registry.closures()) names.emplace_back(closure->name());
+                           return names;
+                         }()),
+                         [](const auto& suite) { return suite.param; });
+
+TEST(Closures, NamesAreUnique) {
   const Registry registry = allPlugins();
   ASSERT_FALSE(registry.closures().empty());
-  std::uint64_t setting = 0;
   for (const auto& closure : registry.closures()) {
-    ASSERT_EQ(registry.closure(closure->name()), closure.get()) << "names are unique";
-    for (const double tilt : {0.0, 0.5}) {
-      for (const double view : {0.0, 0.8, 1.5}) {
-        for (const double place : {0.05, 0.5, 1.0}) {
-          const Parameters p = parametersAt(*closure, place, tilt);
+    EXPECT_EQ(registry.closure(closure->name()), closure.get()) << closure->name();
+  }
+}
+
+double energyOf(const Closure& closure, const Parameters& p, const ClosurePoint& point, Uniforms& random) {
+  RunningMean energy;
+  for (int i = 0; i < 20000; ++i) {
+    const auto s = closure.sample(p, point, {random.next(), random.next2D()});
+    energy.add(s ? static_cast<double>(s->weight.g / s->radianceScale) : 0);
+  }
+  return energy.mean();
+}
+
+/// Facets of mirrors and of glass, of every width and shape: less than a hundredth of the light is lost, none is
+/// gained.
+TEST(Closures, MicrofacetsKeepTheLightInAWhiteFurnace) {
+  const Registry registry = allPlugins();
+  const Vector<World> n = tilted(0, 0), across = Frame<World>(n).x;
+  std::uint64_t setting = 0;
+  for (const float shape : {0.0f, 1.0f}) {
+    for (const float x : {0.05f, 0.2f, 0.5f, 0.8f, 1.0f}) {
+      for (const float ratio : {1.0f, 0.6f, 0.2f}) {
+        for (const double view : {0.1, 0.9, 1.3}) {
+          const ClosurePoint point{tilted(view, 4), geometricNormal};
           Uniforms random(seedOfTest(setting++));
-          EXPECT_TRUE(check(*closure, p, {tilted(view, 4), geometricNormal}, random))
-              << closure->name() << ' ' << ::testing::PrintToString(p) << " view " << view;
-          if (closure->fields().empty()) break;
+          const Parameters metal{n.x, n.y, n.z, across.x, across.y, across.z, x, x * ratio, 0, 0, 0, 1, 1, 1, shape};
+          const double reflected = energyOf(*registry.closure("conductor_bsdf"), metal, point, random);
+          EXPECT_GE(reflected, ratio == 1 ? 0.988 : 0.984)
+              << "metal " << shape << ' ' << x << ' ' << ratio << ' ' << view;
+          EXPECT_LE(reflected, ratio == 1 ? 1.001 : 1.004)
+              << "metal " << shape << ' ' << x << ' ' << ratio << ' ' << view;
         }
       }
     }
@@ -139,7 +243,7 @@ TEST(Closures, EveryRegisteredOne) {
 TEST(Closures, AlbedoIsTheMeanWeightSeenStraightOn) {
   const Registry registry = allPlugins();
   for (const auto& closure : registry.closures()) {
-    if (closure->kind() == ClosureKind::emission || closure->kind() == ClosureKind::interior) continue;
+    if (closure->kind() != ClosureKind::scattering || !closure->traits().hasExactAlbedo) continue;
     Parameters p = parametersAt(*closure, 0, 0);
     std::size_t at = 0;
     for (const DescribedField& field : closure->fields()) {
@@ -237,9 +341,10 @@ TEST(Closures, MixturesOfScatteringClosures) {
   parameters.reserve(100);
   for (const double tilt : {0.1, 0.4}) {
     for (const auto& closure : registry.closures()) {
-      if (closure->kind() != ClosureKind::scattering) continue;
+      const auto names = {"diffuse", "dielectric_bsdf", "conductor_bsdf", "sheen_bsdf"};
+      if (std::find(names.begin(), names.end(), closure->name()) == names.end()) continue;
       parameters.push_back(parametersAt(*closure, 0.5, tilt));
-      const float weight = tilt < 0.2 ? 0.2f : 0.5f;
+      const float weight = tilt < 0.2 ? 0.04f : 0.2f;
       terms.push_back({closure.get(), Color(0.1f, weight, 0.3f), parameters.back()});
     }
   }

@@ -149,6 +149,53 @@ TEST(Surfaces, SpheresAndDisksUnderAnyMapAgreeWithTheirEquations) {
   }
 }
 
+TEST(Surfaces, CylindersUnderAnyMapAgreeWithTheirEquation) {
+  Random random("Surfaces.Cylinders");
+  int hits = 0;
+  for (int k = 0; k < 2'000; ++k) {
+    const auto toWorld = randomTransform(random, 5, 1);
+    SceneBuilder builder;
+    ASSERT_TRUE(builder.addCylinder(toWorld));
+    const Scene scene = build(builder);
+    const Point<Object> target{random.uniformFloat(-1.2, 1.2), random.uniformFloat(-1.2, 1.2),
+                               random.uniformFloat(-0.3, 1.3)};
+    const Point<World> from = random.point(20);
+    const Ray<World> ray{from, normalize(toWorld(target) - from)};
+    // In the cylinder's space, by the textbook's quadratic.
+    const Point<Object> o = toWorld.inverse()(from);
+    const Vector<Object> d = toWorld.inverse()(ray.direction);
+    const auto at = [](float v) { return static_cast<double>(v); };
+    const double a = at(d.x) * at(d.x) + at(d.y) * at(d.y), b = at(o.x) * at(d.x) + at(o.y) * at(d.y);
+    const double c = at(o.x) * at(o.x) + at(o.y) * at(o.y) - 1, root = b * b - a * c;
+    double first = std::numeric_limits<double>::infinity();
+    bool isClose = std::fabs(root) < 1e-3 * b * b;
+    for (const double sign : {-1.0, 1.0}) {
+      if (root < 0) break;
+      const double t = (-b + sign * std::sqrt(root)) / a, z = at(o.z) + t * at(d.z);
+      isClose = isClose || std::fabs(z) < 1e-3 || std::fabs(z - 1) < 1e-3 || std::fabs(t) < 1e-3;
+      if (t > 0 && z >= 0 && z <= 1) first = std::min(first, t);
+    }
+    if (isClose) continue;
+    Buffers buffers;
+    const auto hit = scene.closestHit(ray, buffers.spans, buffers.counters);
+    ASSERT_EQ(hit.has_value(), std::isfinite(first)) << k;
+    if (!hit) continue;
+    ++hits;
+    EXPECT_NEAR(hit->t, first, 1e-4 * first + 1e-4);
+    const Point<Object> p = toWorld.inverse()(hit->point);
+    EXPECT_NEAR(std::hypot(p.x, p.y), 1, 2e-5);
+    EXPECT_NEAR(hit->v, p.z, 2e-5);
+    EXPECT_NEAR(std::cos(2 * std::numbers::pi * at(hit->u)), p.x, 2e-5);
+    EXPECT_NEAR(dot(hit->dPdu, hit->geometricNormal), 0, 1e-4);
+    EXPECT_NEAR(dot(hit->dPdv, hit->geometricNormal), 0, 1e-4);
+    EXPECT_EQ(hit->entering, dot(ray.direction, hit->geometricNormal) < 0);
+    // The normal leads away from the axis.
+    const Point<World> onAxis = toWorld(Point<Object>{0, 0, p.z});
+    EXPECT_GT(dot(hit->point - onAxis, hit->geometricNormal), 0);
+  }
+  EXPECT_GT(hits, 500);
+}
+
 TEST(Surfaces, SmallSphereFarAway) {
   // 1e6 radii away: the textbook discriminant in float, even in double, loses the sphere's shape.
   SceneBuilder builder;

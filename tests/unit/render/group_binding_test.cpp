@@ -94,6 +94,46 @@ TEST(GroupBuilder, ValuesReachTextures) {
   EXPECT_EQ(Bound(bsdf, "", {"wall.reflectance=0.25"}).layers(), Names{"diffuse"});
 }
 
+TEST(GroupBuilder, WhatTurnsNormalsComesBeforeItsMaterialsToo) {
+  const Bound bound(R"(<bsdf type="twosided"><bsdf type="bumpmap"><texture name="anything" type="slope"/>
+                         <bsdf type="diffuse"/></bsdf></bsdf>)");
+  EXPECT_EQ(bound.errors, "");
+  EXPECT_EQ(bound.layers(), (Names{"twosided_normal", "anything", "bumpmap_normal", "diffuse", "bumpmap", "twosided"}));
+  EXPECT_EQ(bound.connections(),
+            (Names{"anything.value bumpmap_normal.map", "anything.gradient bumpmap_normal.map_gradient",
+                   "twosided_normal.nested_normal bumpmap_normal.shading_normal",
+                   "bumpmap_normal.nested_normal diffuse.shading_normal", "anything.value bumpmap.map",
+                   "anything.gradient bumpmap.map_gradient", "diffuse.Ci bumpmap.bsdf",
+                   "twosided_normal.nested_normal bumpmap.shading_normal", "bumpmap.Ci twosided.bsdf"}));
+}
+
+TEST(GroupBuilder, OneMaterialInTwoFramesIsTwoLayers) {
+  const Bound bound(R"(<bsdf type="blendbsdf"><ref id="m"/><bsdf type="twosided"><ref id="m"/></bsdf></bsdf>)",
+                    R"(<bsdf type="diffuse" id="m"/>)");
+  EXPECT_EQ(bound.errors, "");
+  EXPECT_EQ(bound.layers(), (Names{"m", "twosided_normal", "m2", "twosided", "blendbsdf"}));
+  EXPECT_EQ(bound.connections(), (Names{"twosided_normal.nested_normal m2.shading_normal", "m2.Ci twosided.bsdf",
+                                        "m.Ci blendbsdf.bsdf_0", "twosided.Ci blendbsdf.bsdf_1"}));
+}
+
+TEST(GroupBuilder, NumbersMayHaveNames) {
+  const auto glass = [](const char* name) {
+    return Bound(std::string("<bsdf type=\"twosided\"><bsdf type=\"plastic\"><string name=\"int_ior\" value=\"") +
+                 name + "\"/></bsdf></bsdf>");
+  };
+  EXPECT_FLOAT_EQ(glass("Water ice").value("plastic", "int_ior"), 1.31f);
+  EXPECT_THAT(glass("watr").errors,
+              HasSubstr("test.xml:3:74: error: 'watr' is no number, and no name that 'int_ior' knows"));
+  EXPECT_THAT(glass("watr").errors, HasSubstr("did you mean 'water'"));
+}
+
+TEST(GroupBuilder, ErrorsOfMaterialsInsideOfOthersAreLocated) {
+  EXPECT_THAT(Bound("<bsdf type=\"mask\"><bsdf type=\"diffuse\"/><bsdf type=\"null\"/></bsdf>").errors,
+              HasSubstr("shader 'mask' takes no more than 1 nested material"));
+  EXPECT_THAT(Bound("<bsdf type=\"bumpmap\"><texture type=\"line\" name=\"x\"/><bsdf type=\"diffuse\"/></bsdf>").errors,
+              HasSubstr("shader 'line' has no output 'gradient', which 'map_gradient' of shader 'bumpmap' needs"));
+}
+
 TEST(GroupBuilder, ErrorsAreLocated) {
   const std::string unknown =
       Bound("<bsdf type=\"diffuse\"><texture name=\"reflectanc\" type=\"line\"/></bsdf>").errors;

@@ -1,0 +1,257 @@
+// Light from all around, as an image tells it by latitude and longitude.
+//
+// Directions are drawn by the luminance of the image above its mean: what is even is left to the directions that
+// surfaces and media choose themselves (Karlík, Šik, Vivoda, Skřivan and Křivánek 2019, "MIS Compensation: Optimizing
+// Sampling Techniques in Multiple Importance Sampling"). +y is up; the middle of the image lies at -z before
+// `to_world`; columns of texels lie between, rows on the lines of equal steps from pole to pole.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/image/image.h"
+#include "core/render/registry.h"
+
+namespace aerosol::render {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+double luminance(Color c) {
+  return 0.2126 * static_cast<double>(c.r) + 0.7152 * static_cast<double>(c.g) + 0.0722 * static_cast<double>(c.b);
+}
+
+/// A picture that wraps around in x, interpolated linearly; u and v in [0, 1].
+class Panorama {
+ public:
+  Panorama(int width, int height, std::vector<Color> texels)
+      : width_(width), height_(height), texels_(std::move(texels)) {}
+
+  int columns() const { return width_; }
+  int rows() const { return height_ - 1; }
+  /// `x` may be any whole number.
+  Color texel(int x, int y) const {
+    const int column = ((x % width_) + width_) % width_;
+    return texels_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column)];
+  }
+  Color operator()(double u, double v) const {
+    const double x = u * width_ - 0.5, y = std::clamp(v, 0.0, 1.0) * rows();
+    const int i = static_cast<int>(std::floor(x)), j = std::min(static_cast<int>(y), rows() - 1);
+    const auto a = static_cast<float>(x - i), b = static_cast<float>(y - j);
+    return (texel(i, j) * (1 - a) + texel(i + 1, j) * a) * (1 - b) +
+           (texel(i, j + 1) * (1 - a) + texel(i + 1, j + 1) * a) * b;
+  }
+
+ private:
+  int width_, height_;
+  std::vector<Color> texels_;
+};
+
+/// Places drawn in proportion to the weights of cells, uniform in each cell.
+class CellChoice {
+ public:
+  CellChoice(int columns, int rows, const std::vector<double>& weights)
+      : columns_(static_cast<std::size_t>(columns)), rows_(static_cast<std::size_t>(rows)), cells_(weights) {
+    double sum = 0;
+    for (std::size_t j = 0; j < rows_; ++j) {
+      double row = 0;
+      for (std::size_t i = 0; i < columns_; ++i) cells_[j * columns_ + i] = row += weights[j * columns_ + i];
+      rowSums_.push_back(sum += row);
+    }
+  }
+
+  double total() const { return rowSums_.back(); }
+  /// Per unit of u and v.
+  double density(double u, double v) const {
+    const auto i = std::min(static_cast<std::size_t>(u * static_cast<double>(columns_)), columns_ - 1);
+    const auto j = std::min(static_cast<std::size_t>(v * static_cast<double>(rows_)), rows_ - 1);
+    const double cell = cells_[j * columns_ + i] - (i > 0 ? cells_[j * columns_ + i - 1] : 0);
+    return cell * static_cast<double>(columns_ * rows_) / total();
+  }
+  std::array<double, 2> sample(std::array<float, 2> u) const {
+    double along = 0, across = 0;
+    const std::size_t j = find({rowSums_.data(), rows_}, static_cast<double>(u[1]), across);
+    const std::size_t i = find({cells_.data() + j * columns_, columns_}, static_cast<double>(u[0]), along);
+    return {(static_cast<double>(i) + along) / static_cast<double>(columns_),
+            (static_cast<double>(j) + across) / static_cast<double>(rows_)};
+  }
+
+ private:
+  /// The step of a growing sum that `u` falls into, and where in it.
+  static std::size_t find(std::span<const double> sums, double u, double& part) {
+    const double wanted = u * sums.back();
+    auto found = std::upper_bound(sums.begin(), sums.end(), wanted);
+    if (found == sums.end()) found = std::lower_bound(sums.begin(), sums.end(), sums.back());
+    const auto i = static_cast<std::size_t>(found - sums.begin());
+    const double before = i > 0 ? sums[i - 1] : 0, step = sums[i] - before;
+    part = step > 0 ? std::clamp((wanted - before) / step, 0.0, 0x1.fffffffp-1) : 0.5;
+    return i;
+  }
+
+  std::size_t columns_, rows_;
+  std::vector<double> cells_, rowSums_;
+};
+
+class EnvironmentMap final : public Light {
+ public:
+  EnvironmentMap(Panorama image, const Matrix4& toWorld, float scale)
+      : image_(std::move(image)), toWorld_(toWorld), scale_(scale), choice_(makeChoice()) {}
+
+  std::optional<LightSample> sample(Point<World>, const LightUniforms& u) const override {
+    const auto [x, y] = choice_.sample(u.place);
+    const double theta = y * pi, phi = x * 2 * pi, sine = std::sin(theta);
+    const double d[3] = {std::sin(phi) * sine, std::cos(theta), -std::cos(phi) * sine};
+    const auto row = [&](std::size_t i) {
+      return static_cast<float>(toWorld_[i][0] * d[0] + toWorld_[i][1] * d[1] + toWorld_[i][2] * d[2]);
+    };
+    const Vector<World> direction = normalize(Vector<World>(row(0), row(1), row(2)));
+    // By the rounded direction, as for one that is met.
+    const float density = pdfEscaped({}, direction);
+    if (!(density > 0)) return {};
+    return LightSample{.direction = direction, .value = escaped(direction), .pdf = density, .point = {}, .normal = {}};
+  }
+
+  float pdfEscaped(Point<World>, Vector<World> direction) const override {
+    const Place place = placeOf(direction);
+    if (!(place.sine > 0)) return 0;
+    return static_cast<float>(choice_.density(place.u, place.v) / (2 * pi * pi * place.sine));
+  }
+  Color escaped(Vector<World> direction) const override {
+    const Place place = placeOf(direction);
+    return image_(place.u, place.v) * scale_;
+  }
+
+  /// Through a sphere around the scene.
+  Color power(float sceneRadius) const override {
+    return mean_ * (4 * std::numbers::pi_v<float> * std::numbers::pi_v<float> * sceneRadius * sceneRadius);
+  }
+  float importance(Point<World>) const override { return average(abs(mean_)) * (4 * std::numbers::pi_v<float>); }
+  bool isDelta() const override { return false; }
+  bool isInfinite() const override { return true; }
+
+ private:
+  struct Place {
+    double u = 0, v = 0, sine = 0;
+  };
+
+  /// The matrix is a rotation: its transpose is its inverse.
+  Place placeOf(Vector<World> direction) const {
+    const double x = static_cast<double>(direction.x), y = static_cast<double>(direction.y),
+                 z = static_cast<double>(direction.z);
+    const auto column = [&](std::size_t i) { return toWorld_[0][i] * x + toWorld_[1][i] * y + toWorld_[2][i] * z; };
+    const double lx = column(0), ly = column(1), lz = column(2);
+    double u = std::atan2(lx, -lz) / (2 * pi);
+    u -= std::floor(u);
+    return {std::min(u, 0x1.fffffffffffffp-1), std::acos(std::clamp(ly, -1.0, 1.0)) / pi,
+            std::sqrt(std::max(0.0, lx * lx + lz * lz))};
+  }
+
+  /// Cells between neighbouring texels. Sampling is for light on top of the mean; an even sky is drawn evenly.
+  CellChoice makeChoice() {
+    const int columns = image_.columns(), rows = image_.rows();
+    std::vector<double> weights;
+    Color sum;
+    double sines = 0, luminances = 0;
+    const auto sineOf = [&](int j) { return std::sin((j + 0.5) / rows * pi); };
+    for (int j = 0; j < rows; ++j) {
+      for (int i = 0; i < columns; ++i) {
+        // Columns begin half a texel before the first one's middle.
+        const Color mean = (image_.texel(i, j) * 2 + image_.texel(i - 1, j) + image_.texel(i + 1, j) +
+                            image_.texel(i, j + 1) * 2 + image_.texel(i - 1, j + 1) + image_.texel(i + 1, j + 1)) *
+                           0.125f;
+        sum += mean * static_cast<float>(sineOf(j));
+        sines += sineOf(j);
+        luminances += luminance(abs(mean)) * sineOf(j);
+        weights.push_back(luminance(abs(mean)));
+      }
+    }
+    mean_ = sum * (scale_ / static_cast<float>(sines));
+    const double offset = luminances / sines;
+    double left = 0;
+    for (const double weight : weights) left += std::max(weight - offset, 0.0);
+    const bool isEven = !(left > 1e-3 * offset * static_cast<double>(weights.size()));
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      const double above = isEven ? std::max(weights[k], 1e-30) : std::max(weights[k] - offset, 0.0);
+      weights[k] = above * sineOf(static_cast<int>(k / static_cast<std::size_t>(columns)));
+    }
+    return {columns, rows, weights};
+  }
+
+  Panorama image_;
+  Matrix4 toWorld_;
+  float scale_;
+  Color mean_;
+  CellChoice choice_;
+};
+
+bool isRotation(const Matrix4& m) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double product = m[0][i] * m[0][j] + m[1][i] * m[1][j] + m[2][i] * m[2][j];
+      if (std::fabs(product - (i == j ? 1 : 0)) > 1e-4) return false;
+    }
+  }
+  return true;
+}
+
+double decode(float encoded) {
+  const auto x = static_cast<double>(encoded);
+  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
+
+/// Images of bytes hold sRGB colours.
+bool isLinear(const std::string& file) {
+  for (const char* ending : {".exr", ".hdr", ".pfm", ".rgbe", ".EXR", ".HDR"}) {
+    if (file.ends_with(ending)) return true;
+  }
+  return false;
+}
+
+std::unique_ptr<const Light> make(const LightArguments& arguments) {
+  const auto fail = [&](std::string problem) {
+    if (arguments.problem) *arguments.problem = std::move(problem);
+    return nullptr;
+  };
+  const auto toWorld = arguments.get<Matrix4>("to_world");
+  if (!isRotation(toWorld)) return fail("'to_world' of an environment may turn and mirror it, nothing else");
+  const auto file = arguments.get<std::string>("filename");
+  auto image = image::readImage(file);
+  if (!image) return fail(image.errors().entries().front().message);
+  if (image->width < 2 || image->height < 3) return fail("an environment needs an image of 2 by 3 pixels at least");
+  const std::size_t channels = image->channels.size(), first = 0;
+  const bool isGrey = channels < 3, isDecoded = isLinear(file);
+  std::vector<Color> texels;
+  for (std::size_t at = first; at + channels <= image->pixels.size(); at += channels) {
+    Color c;
+    for (int i = 0; i < 3; ++i) {
+      const float value = image->pixels[at + (isGrey ? 0 : static_cast<std::size_t>(i))];
+      c[i] = isDecoded ? value : static_cast<float>(decode(value));
+    }
+    if (!isFinite(c)) return fail("the image has pixels that are not finite");
+    texels.push_back(c);
+  }
+  return std::make_unique<EnvironmentMap>(Panorama(image->width, image->height, std::move(texels)), toWorld,
+                                          arguments.get<float>("scale"));
+}
+
+}  // namespace
+
+void registerLight_envmap(Registry& registry) {
+  registry.add(LightType{
+      .name = "envmap",
+      .doc = "Light from all around, from an image by latitude and longitude",
+      .parameters = {{.name = "filename", .type = scene::ValueType::string, .doc = "The image", .required = true},
+                     {.name = "scale",
+                      .type = scene::ValueType::number,
+                      .doc = "Factor on the image, whose values are radiance in W/(m² sr)",
+                      .defaultValue = 1.0f},
+                     {.name = "to_world",
+                      .type = scene::ValueType::transform,
+                      .doc = "Turns the image, whose middle lies at -z",
+                      .defaultValue = identityMatrix()}},
+      .make = make});
+}
+
+}  // namespace aerosol::render
