@@ -13,7 +13,7 @@ namespace aerosol::render {
 inline Color compensation(const Microfacets& facets, Vector<Local> viewer, Color facing) {
   if (facets.isSingle()) return Color(1);
   // A little more than what the table says, so that its errors gain nothing.
-  const float once = std::min(1.0f, 1.006f * mirrorAlbedo(facets.shape(), facets.alphaX(), facets.alphaY(), viewer));
+  const float once = std::min(1.0f, 1.0075f * mirrorAlbedo(facets.shape(), facets.alphaX(), facets.alphaY(), viewer));
   return Color(1) + facing * ((1 - once) / once);
 }
 

@@ -60,6 +60,10 @@ const std::vector<EffectCase>& cases() {
        {"volumes", "constant-media", "chromatic-extinction"}},
       {"glass",
        std::string(sky) + R"(<shape type="sphere"><bsdf type="dielectric"/></shape>)",
+       {"light-sampling", "constant-light", "surfaces"}},
+      {"nested_glass",
+       std::string(sky) +
+           R"(<shape type="sphere"><bsdf type="dielectric"><integer name="priority" value="1"/></bsdf></shape>)",
        {"light-sampling", "constant-light", "surfaces", "nested-media"}},
       {"interior",
        fmt::format(R"(<shape type="sphere"><bsdf type="null"/>{}</shape>)",

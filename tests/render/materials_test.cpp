@@ -155,22 +155,33 @@ TEST(Materials, NormalsOfMapsTiltTheLight) {
   struct Case {
     std::string bsdf;
     std::array<double, 3> normal;  // To the right, up, towards the camera.
+    bool isShadowed = false;       // By the function of Conty Estevez et al. 2019.
   };
   const std::vector<Case> cases = {
       {grey, {0, 0, 1}},
       {R"(<bsdf type="normalmap"><rgb name="normalmap" value="0.5, 0.5, 1"/>)" + grey + "</bsdf>", {0, 0, 1}},
-      {R"(<bsdf type="normalmap"><rgb name="normalmap" value="0.8, 0.5, 0.9"/>)" + grey + "</bsdf>", {-0.6, 0, 0.8}},
+      {R"(<bsdf type="normalmap"><rgb name="normalmap" value="0.8, 0.5, 0.9"/>)" + grey + "</bsdf>",
+       {-0.6, 0, 0.8},
+       true},
+      {R"(<bsdf type="bumpmap"><texture type="slope" name="any"><float name="along" value="30"/></texture>
+          <float name="scale" value="2"/><boolean name="use_shadowing_function" value="false"/>)" +
+           grey + "</bsdf>",
+       {0.6, 0, 1}},
       {R"(<bsdf type="bumpmap"><texture type="slope" name="any"><float name="along" value="30"/></texture>
           <float name="scale" value="2"/>)" +
            grey + "</bsdf>",
-       {0.6, 0, 1}}};
+       {0.6, 0, 1},
+       true}};
   for (const Case& each : cases) {
     SCOPED_TRACE(each.bsdf);
     const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 20}, sun + wall(each.bsdf));
     const double size = std::hypot(each.normal[0], each.normal[1], each.normal[2]);
     const double cosine = (-0.6 * each.normal[0] + 0.8 * each.normal[2]) / size;
+    const double squaredTangent = size * size / (each.normal[2] * each.normal[2]) - 1,
+                 ofLight = 0.6 * 0.6 / (0.8 * 0.8);
+    const double shadow = each.isShadowed ? 2 / (1 + std::sqrt(1 + 0.125 * squaredTangent * ofLight)) : 1;
     EXPECT_TRUE(shows(scene, *scene.render(4), [=](const Ray<World>&) {
-      return Color(static_cast<float>(2 * std::max(cosine, 0.0) * 0.5 / pi));
+      return Color(static_cast<float>(2 * std::max(cosine, 0.0) * shadow * 0.5 / pi));
     }));
   }
 }

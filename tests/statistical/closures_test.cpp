@@ -87,9 +87,10 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
   const DirectionGrid grid(geometricNormal.vector(), 2, 20, 16);
   // Lobes around the poles of the grid, where its cells are wide, need small steps.
   const int steps = closure.fields().size() > 1 ? 40 : 10;
-  std::vector<double> expected = grid.integrateCells([&](Vector<World> d) { return closure.pdf(p, point, d); }, steps);
+  std::vector<double> expected =
+      grid.integrateSmoothCells([&](Vector<World> d) { return closure.pdf(p, point, d); }, steps);
   const std::vector<double> values =
-      grid.integrateCells([&](Vector<World> d) { return closure.evaluate(p, point, d).g; }, steps);
+      grid.integrateSmoothCells([&](Vector<World> d) { return closure.evaluate(p, point, d).g; }, steps);
   double total = 0, energy = 0;
   for (double& e : expected) {
     total += e;
@@ -207,33 +208,33 @@ TEST(Closures, NamesAreUnique) {
   }
 }
 
-double energyOf(const Closure& closure, const Parameters& p, const ClosurePoint& point, Uniforms& random) {
-  RunningMean energy;
-  for (int i = 0; i < 20000; ++i) {
-    const auto s = closure.sample(p, point, {random.next(), random.next2D()});
-    energy.add(s ? static_cast<double>(s->weight.g / s->radianceScale) : 0);
+/// What is scattered of light from everywhere, over the additive recurrence of Roberts 2018 in three dimensions: within
+/// 2e-4 for the lobes asked here.
+double energyOf(const Closure& closure, const Parameters& p, const ClosurePoint& point) {
+  constexpr int count = 20000;
+  double energy = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto part = [i](double step) { return static_cast<float>(std::fmod(0.5 + step * i, 1)); };
+    const auto s =
+        closure.sample(p, point, {part(0.8191725133961645), {part(0.6710436067037893), part(0.5497004779019703)}});
+    energy += s ? static_cast<double>(s->weight.g / s->radianceScale) : 0;
   }
-  return energy.mean();
+  return energy / count;
 }
 
-/// Facets of mirrors and of glass, of every width and shape: less than a hundredth of the light is lost, none is
-/// gained.
+/// Facets of mirrors of every width and shape: less than a hundredth of the light is lost, none is gained.
 TEST(Closures, MicrofacetsKeepTheLightInAWhiteFurnace) {
   const Registry registry = allPlugins();
   const Vector<World> n = tilted(0, 0), across = Frame<World>(n).x;
-  std::uint64_t setting = 0;
   for (const float shape : {0.0f, 1.0f}) {
     for (const float x : {0.05f, 0.2f, 0.5f, 0.8f, 1.0f}) {
       for (const float ratio : {1.0f, 0.6f, 0.2f}) {
         for (const double view : {0.1, 0.9, 1.3}) {
           const ClosurePoint point{tilted(view, 4), geometricNormal};
-          Uniforms random(seedOfTest(setting++));
           const Parameters metal{n.x, n.y, n.z, across.x, across.y, across.z, x, x * ratio, 0, 0, 0, 1, 1, 1, shape};
-          const double reflected = energyOf(*registry.closure("conductor_bsdf"), metal, point, random);
-          EXPECT_GE(reflected, ratio == 1 ? 0.988 : 0.984)
-              << "metal " << shape << ' ' << x << ' ' << ratio << ' ' << view;
-          EXPECT_LE(reflected, ratio == 1 ? 1.001 : 1.004)
-              << "metal " << shape << ' ' << x << ' ' << ratio << ' ' << view;
+          const double reflected = energyOf(*registry.closure("conductor_bsdf"), metal, point);
+          EXPECT_GE(reflected, 0.99) << "metal " << shape << ' ' << x << ' ' << ratio << ' ' << view;
+          EXPECT_LE(reflected, 1.0002) << "metal " << shape << ' ' << x << ' ' << ratio << ' ' << view;
         }
       }
     }
