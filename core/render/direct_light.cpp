@@ -64,9 +64,8 @@ volume::Task<Color> estimateGlow(PathContext& path, const ScatteringVertex& vert
   co_return scattered* way.emission * (1 / density);
 }
 
-/// What the texture of a light multiplies its light by, at a sample of it.
+/// What the texture of a light multiplies its light by, at a sample of it; there is one.
 volume::Task<Color> lightTextureAt(PathContext& path, std::uint32_t light, LightSample sample, float time) {
-  if (!path.scene().lightTextures[light]) co_return Color(1);
   shading::ShadingPoint point;
   point.set(lang::Global::P, sample.point);
   point.set(lang::Global::N, sample.normal);
@@ -98,11 +97,13 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
 
   Color scattered = vertex.evaluate(light->direction) * light->value;
   if (isBlack(scattered)) co_return Color();
-  scattered *= co_await lightTextureAt(path, choice->index, *light, time);
-  if (isBlack(scattered)) co_return Color();
+  phase.reset();
+  if (path.scene().lightTextures[choice->index]) {
+    scattered *= co_await lightTextureAt(path, choice->index, *light, time);
+    if (isBlack(scattered)) co_return Color();
+  }
   const float pdf = light->pdf * choice->probability;
   const auto byPlace = static_cast<float>(vertex.rivalry(choice->id()) * static_cast<double>(light->pdf));
-  phase.reset();
   const Color transmittance =
       co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
                                      vertex.mediaTowards(light->direction));
@@ -126,8 +127,10 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   if (!light || isBlack(light->value)) co_return Color();
   Color scattered = vertex.evaluate(light->direction) * light->value;
   if (isBlack(scattered)) co_return Color();
-  scattered *= co_await lightTextureAt(path, choice.light.light, *light, time);
-  if (isBlack(scattered)) co_return Color();
+  if (path.scene().lightTextures[choice.light.light]) {
+    scattered *= co_await lightTextureAt(path, choice.light.light, *light, time);
+    if (isBlack(scattered)) co_return Color();
+  }
 
   const auto directionPdf = static_cast<double>(light->pdf);
   const Color transmittance =

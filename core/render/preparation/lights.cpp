@@ -1,0 +1,93 @@
+#include "core/render/preparation/lights.h"
+
+#include "core/render/preparation/shapes.h"
+#include "core/render/surface_closures.h"
+#include "core/render/volume_light.h"
+
+namespace aerosol::render {
+
+namespace {
+
+/// What a light's texture is in the mean, by a grid of its coordinates.
+Color meanTexture(const Preparation& state, shading::InstanceRef texture) {
+  constexpr int side = 8;
+  Color sum;
+  for (int i = 0; i < side * side; ++i) {
+    shading::ShadingPoint point;
+    point.set(lang::Global::u, (static_cast<float>(i % side) + 0.5f) / side);
+    point.set(lang::Global::v, (static_cast<float>(i) / side + 0.5f) / side);
+    sum += lightTextureOf(askSurface(*state.scene, texture, point));
+  }
+  // Where the grid finds nothing light may be all the same.
+  return maximum(abs(sum)) > 0 ? sum / (side * side) : Color(1e-3f);
+}
+
+}  // namespace
+
+void bindLightTextures(Preparation& state) {
+  const auto bind = [&](const scene::Emitter& emitter, const Transform<World, Object>& toWorld) {
+    state.lightTextures.emplace_back();
+    if (!emitter.texture) return;
+    auto bound = bindShader(state.description.materials[*emitter.texture], "surface", toWorld, state.shaderSources(),
+                            state.scene->shading, state.warnings);
+    if (bound) {
+      state.lightTextures.back() = *bound;
+    } else {
+      state.appendNew(bound.errors());
+    }
+  };
+  for (const scene::Emitter& emitter : state.description.emitters) bind(emitter, emitter.toWorld);
+  for (const scene::Shape& shape : state.description.shapes) {
+    if (shape.emitter) bind(*shape.emitter, state.atOpening(shape.toWorld));
+  }
+}
+
+void addLights(Preparation& state) {
+  std::vector<std::unique_ptr<const Light>> lights;
+  std::size_t next = 0;
+  const auto add = [&](const scene::Emitter& emitter, std::shared_ptr<const LightSurface> surface) {
+    const std::optional<shading::InstanceRef> texture = state.lightTextures[next++];
+    auto light =
+        makeLight(state.registry, emitter, std::move(surface), texture ? meanTexture(state, *texture) : Color(1));
+    if (light) state.scene->lightTextures.push_back(texture);
+    if (!light) {
+      state.errors.append(light.errors());
+      return false;
+    }
+    lights.push_back(std::move(*light));
+    return true;
+  };
+  for (const scene::Emitter& emitter : state.description.emitters) add(emitter, nullptr);
+  for (std::size_t i = 0; i < state.description.shapes.size(); ++i) {
+    const scene::Shape& shape = state.description.shapes[i];
+    if (!shape.emitter) continue;
+    std::shared_ptr<const LightSurface> surface = lightSurface(state, shape, static_cast<accel::ObjectId>(i));
+    if (!surface) {
+      state.errors.error(shape.origin.location, "a shape without area cannot emit");
+      ++next;
+      continue;
+    }
+    if (add(*shape.emitter, surface)) state.scene->objects[i].light = static_cast<std::uint32_t>(lights.size() - 1);
+  }
+  std::vector<std::uint32_t> glowing;
+  for (const volume::Medium& medium : state.scene->media) {
+    const shading::InstanceRef shader = state.scene->mediumShaders[medium.index];
+    const std::optional<Box<Object>>& domain = state.placements[medium.index].place.domain;
+    std::unique_ptr<const Light> glow;
+    if (!medium.constant) {
+      if (medium.tree) glow = VolumeLight::make(*medium.tree);
+    } else if (domain) {
+      const auto& instance = state.scene->shading.family(shader).instances[shader.index];
+      glow = VolumeLight::make(*domain, instance.objectToWorld, medium.constant->emission);
+    }
+    if (!glow) continue;
+    lights.push_back(std::move(glow));
+    glowing.push_back(medium.index);
+  }
+  if (state.errors.hasErrors()) return;
+  state.scene->lights = LightSet(std::move(lights), 0.5f * state.sceneExtent());
+  state.links.makeSets(glowing, 0.5f * state.sceneExtent());
+  state.scene->phase = state.registry.phase("henyey_greenstein");
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,162 @@
+#include "core/render/preparation/materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/lang/analysis.h"
+#include "core/render/scene_attributes.h"
+
+namespace aerosol::render {
+
+namespace {
+
+/// Whether light goes straight through: where the material asks for the kind of ray, may be transparent, and does not
+/// have the parameter `straight_shadows` set to 0.
+bool letsShadowsPass(const Preparation& state, const PreparedObject& object) {
+  const auto isTransparent = [](const Closure* c) { return c && c->kind() == ClosureKind::transparent; };
+  if (std::none_of(object.closures.begin(), object.closures.end(), isTransparent)) return false;
+  const shading::Family& family = state.scene->shading.family(object.material);
+  const auto& sites = family.kernel(shading::Variant::surface).interface().hostSites;
+  if (std::none_of(sites.begin(), sites.end(), [](const auto& s) { return s.function == "raytype"; })) return false;
+  const auto parameter = shading::findParameter(*family.program, "straight_shadows");
+  if (!parameter) return true;
+  const lang::ConstantValue* const value =
+      shading::valueOf(*family.program, family.instances[object.material.index], *parameter);
+  const auto* numbers = value ? std::get_if<std::vector<std::int32_t>>(value) : nullptr;
+  return !numbers || numbers->empty() || numbers->front() != 0;
+}
+
+/// All parameters of an instance, those that its program computes without a value.
+lang::ParameterValues valuesOf(const Preparation& state, shading::InstanceRef ref) {
+  const lang::Program& program = *state.scene->shading.family(ref).program;
+  lang::ParameterValues values;
+  for (std::uint32_t i = 0; i < program.parameters.size(); ++i) {
+    const lang::ConstantValue* value = shading::valueOf(program, state.scene->shading.instance(ref), i);
+    values[i] = value ? *value : lang::ConstantValue{};
+  }
+  return values;
+}
+
+/// Whether a site's weight is always black with the instance's parameters.
+bool isWeightless(const lang::Program& program, std::uint32_t site) {
+  return std::any_of(program.outputs.begin(), program.outputs.end(), [&](const lang::Output& output) {
+    if (output.kind != lang::OutputKind::siteWeight || output.index != site) return false;
+    const lang::Variable& variable = program.variables[output.variable];
+    const auto* floats = std::get_if<std::vector<float>>(&variable.value);
+    return variable.storage == lang::Storage::constant && floats &&
+           std::all_of(floats->begin(), floats->end(), [](float value) { return value == 0; });
+  });
+}
+
+/// Options that a shader does not write are zero.
+bool isZero(const lang::Program& program, std::uint32_t site, std::size_t parameter) {
+  for (const lang::Output& output : program.outputs) {
+    if (output.kind != lang::OutputKind::siteParameter || output.index != site || output.subIndex != parameter)
+      continue;
+    const lang::Variable& variable = program.variables[output.variable];
+    const auto* floats = std::get_if<std::vector<float>>(&variable.value);
+    return variable.storage == lang::Storage::constant && floats &&
+           std::all_of(floats->begin(), floats->end(), [](float value) { return value == 0; });
+  }
+  return true;
+}
+
+/// Every parameter of the site has to mean something to the closure.
+void checkSite(Preparation& state, const lang::Program& program, std::uint32_t index, const Closure* closure) {
+  const lang::ClosureSite& site = program.closureSites[index];
+  const SourceLocation& place = program.locations[site.location];
+  if (!closure) {
+    state.appendNew(Diagnostic{
+        Severity::error, place, fmt::format("closure '{}' is not implemented for surfaces", site.closure), {}, {}});
+    return;
+  }
+  const std::size_t size = static_cast<std::size_t>(componentCount(closure->fields())) + 3 * site.layers.size();
+  if (size > SurfaceAnswer::maximumParameters) {
+    state.appendNew(Diagnostic{
+        Severity::error,
+        place,
+        fmt::format(
+            "closure '{}' lies below {} others: {} is the most", site.closure, site.layers.size(),
+            (SurfaceAnswer::maximumParameters - static_cast<std::size_t>(componentCount(closure->fields()))) / 3),
+        {},
+        {}});
+    return;
+  }
+  for (std::size_t i = 0; i < site.parameterNames.size(); ++i) {
+    const std::string& name = site.parameterNames[i];
+    const auto fields = closure->fields();
+    const bool isLayer = std::any_of(site.layers.begin(), site.layers.end(),
+                                     [&](const lang::ClosureLayer& layer) { return layer.weight == i; });
+    const bool isKnown =
+        isLayer || name == "label" ||
+        std::any_of(fields.begin(), fields.end(), [&](const DescribedField& f) { return f.name == name; });
+    if (isKnown || isZero(program, index, i)) continue;
+    state.appendNew(Diagnostic{
+        Severity::error, place, fmt::format("'{}' of closure '{}' is not implemented", name, site.closure), {}, {}});
+  }
+}
+
+}  // namespace
+
+void bindMaterials(Preparation& state) {
+  describeScene(state.description, state.scene->attributes);
+  for (const scene::Shape& shape : state.description.shapes) {
+    auto bound = bindShader(state.description.materials[shape.material], "surface", state.atOpening(shape.toWorld),
+                            state.shaderSources(), state.scene->shading, state.warnings);
+    state.scene->objects.emplace_back();
+    if (bound) {
+      state.scene->objects.back().material = *bound;
+      if (const auto motion = state.motionOf(shape.toWorld))
+        state.scene->shading.setMotion(*bound, MovingPlace(motion));
+    } else {
+      state.appendNew(bound.errors());
+    }
+  }
+}
+
+void findSiteClosures(Preparation& state) {
+  for (const shading::Family& family : state.scene->shading.families()) {
+    auto& closures = state.scene->siteClosures.emplace_back();
+    for (const lang::ClosureSite& site : family.program->closureSites) {
+      closures.push_back(state.registry.closure(site.closure));
+    }
+  }
+}
+
+void describeMaterial(Preparation& state, PreparedObject& object) {
+  const lang::Program& program = *state.scene->shading.family(object.material).program;
+  if (program.closureSites.size() > SurfaceAnswer::maximumSites) {
+    state.errors.error(program.locations[program.closureSites[SurfaceAnswer::maximumSites].location],
+                       fmt::format("shader '{}' has more than {} closures", program.name, SurfaceAnswer::maximumSites));
+    return;
+  }
+  object.closures = state.scene->siteClosures[object.material.family];
+  const lang::Program folded = lang::specialise(program, valuesOf(state, object.material));
+  const bool isLayered = std::any_of(program.closureSites.begin(), program.closureSites.end(),
+                                     [](const lang::ClosureSite& site) { return !site.layers.empty(); });
+  for (std::size_t i = 0; i < program.closureSites.size(); ++i) {
+    const lang::ClosureSite& site = program.closureSites[i];
+    if (isLayered) object.layers.push_back(site.layers);
+    const auto index = static_cast<std::uint32_t>(i);
+    checkSite(state, folded, index, object.closures[i]);
+    const bool isInterior = object.closures[i] && object.closures[i]->kind() == ClosureKind::interior;
+    if (isInterior && !isWeightless(folded, index)) state.scene->nestsMedia = true;
+  }
+  if (state.errors.hasErrors()) return;
+  object.passesShadows = letsShadowsPass(state, object);
+  const std::optional<SurfaceAnswer> constant = constantClosures(*state.scene, object.material);
+  if (!constant) return;
+  Color passing;
+  bool hasOther = false;
+  for (std::uint32_t s = 0; s < constant->siteCount; ++s) {
+    if (object.closures[s]->kind() == ClosureKind::transparent) {
+      passing += constant->sites[s].weight;
+    } else {
+      hasOther = hasOther || !isBlack(constant->sites[s].weight);
+    }
+  }
+  object.isBoundary = !hasOther && passing == Color(1.0f);
+}
+
+}  // namespace aerosol::render

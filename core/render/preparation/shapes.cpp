@@ -1,0 +1,174 @@
+#include "core/render/preparation/shapes.h"
+
+#include "core/accel/obj.h"
+#include "core/accel/ply.h"
+#include "core/render/preparation/materials.h"
+#include "core/render/preparation/velocities.h"
+
+namespace aerosol::render {
+
+namespace {
+
+Transform<World, Object> sphereToWorld(const Preparation& state, const scene::Shape& shape) {
+  return ballPlacement(state.atOpening(shape.toWorld), shape.center, shape.radius);
+}
+
+/// From the cylinder of radius 1 from z = 0 to 1 to the shape's own space.
+Transform<World, Object> cylinderPlacement(const scene::Shape& shape) {
+  const Vector<Object> along = shape.end - shape.center;
+  const Frame<Object> frame(normalize(along));
+  Matrix4 place = identityMatrix(), inverse;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const int k = static_cast<int>(i);
+    place[i][0] = static_cast<double>(frame.x[k] * shape.radius);
+    place[i][1] = static_cast<double>(frame.y[k] * shape.radius);
+    place[i][2] = static_cast<double>(along[k]);
+    place[i][3] = static_cast<double>(shape.center[k]);
+  }
+  invert(place, inverse);
+  return {place, inverse};
+}
+
+Transform<World, Object> cylinderToWorld(const Preparation& state, const scene::Shape& shape) {
+  const Transform<World, Object> place = cylinderPlacement(shape), toWorld = state.atOpening(shape.toWorld);
+  return {multiply(toWorld.matrix(), place.matrix()), multiply(place.inverseMatrix(), toWorld.inverseMatrix())};
+}
+
+Result<accel::TriangleMesh> meshOf(Preparation& state, const scene::Shape& shape,
+                                   const Transform<World, Object>& toWorld) {
+  using scene::ShapeType;
+  accel::TriangleMesh mesh;
+  if (shape.type == ShapeType::obj || shape.type == ShapeType::ply) {
+    const std::string file = shape.file.string();
+    auto loaded = shape.type == ShapeType::obj ? accel::loadObj(file, toWorld, state.warnings)
+                                               : accel::loadPly(file, toWorld, state.warnings);
+    if (!loaded) return loaded.errors();
+    mesh = std::move(*loaded);
+    if (shape.flipTexCoords.value_or(shape.type == ShapeType::obj)) {
+      for (accel::TexCoord& uv : mesh.uvs) uv.v = 1 - uv.v;
+    }
+  } else {
+    mesh = shape.type == ShapeType::cube ? accel::makeCube(toWorld) : accel::makeRectangle(toWorld);
+  }
+  mesh.faceNormals = mesh.faceNormals || shape.faceNormals;
+  mesh.flipNormals = shape.flipNormals;
+  return mesh;
+}
+
+Result<accel::ObjectId> addMovingShape(Preparation& state, const scene::Shape& shape,
+                                       const std::shared_ptr<const Motion>& motion, bool passThrough) {
+  using scene::ShapeType;
+  if (shape.emitter) {
+    return Diagnostic{Severity::error,
+                      shape.emitter->origin.location,
+                      "a shape that moves while the shutter is open cannot emit",
+                      {},
+                      {"give the shape one transform, or let its material glow"}};
+  }
+  if (shape.type == ShapeType::sphere) {
+    const MovingPlace place(motion, asObject(ballPlacement(Transform<World, Object>(), shape.center, shape.radius)));
+    return state.builder.addSphere(place, passThrough, shape.flipNormals);
+  }
+  if (shape.type == ShapeType::disk) return state.builder.addDisk(MovingPlace(motion), passThrough, shape.flipNormals);
+  if (shape.type == ShapeType::cylinder) {
+    const MovingPlace place(motion, asObject(cylinderPlacement(shape)));
+    return state.builder.addCylinder(place, passThrough, shape.flipNormals);
+  }
+  auto mesh = meshOf(state, shape, {});
+  if (!mesh) return mesh.errors();
+  return state.builder.addMesh(std::move(*mesh), MovingPlace(motion), passThrough);
+}
+
+Result<accel::ObjectId> addShape(Preparation& state, const scene::Shape& shape, bool passThrough) {
+  using scene::ShapeType;
+  if (const auto motion = state.motionOf(shape.toWorld)) return addMovingShape(state, shape, motion, passThrough);
+  const Transform<World, Object> toWorld = state.atOpening(shape.toWorld);
+  if (shape.type == ShapeType::sphere)
+    return state.builder.addSphere(sphereToWorld(state, shape), passThrough, shape.flipNormals);
+  if (shape.type == ShapeType::disk) return state.builder.addDisk(toWorld, passThrough, shape.flipNormals);
+  if (shape.type == ShapeType::cylinder)
+    return state.builder.addCylinder(cylinderToWorld(state, shape), passThrough, shape.flipNormals);
+  auto mesh = meshOf(state, shape, toWorld);
+  if (!mesh) return mesh.errors();
+  return state.builder.addMesh(std::move(*mesh), passThrough);
+}
+
+}  // namespace
+
+void addShapes(Preparation& state) {
+  for (std::size_t i = 0; i < state.description.shapes.size(); ++i) {
+    const scene::Shape& shape = state.description.shapes[i];
+    PreparedObject& object = state.scene->objects[i];
+    describeMaterial(state, object);
+    auto id = addShape(state, shape, object.isBoundary);
+    if (!id) state.appendAt(shape.origin.location, id.errors());
+    if (id && object.passesShadows) state.builder.letShadowsPass(*id);
+    state.scene->shadowsPass = state.scene->shadowsPass || object.passesShadows;
+  }
+}
+
+void addVolumes(Preparation& state) {
+  for (std::size_t i = 0; i < state.description.volumes.size(); ++i) {
+    const scene::Volume& volume = state.description.volumes[i];
+    const VolumeType& type = *state.registry.volume(volume.type);
+    const auto motion = state.motionOf(volume.toWorld);
+    const scene::Volume still = state.standing(volume, motion != nullptr);
+    auto shape = type.make({still, type.place(still), state.description.searchPath, state.warnings,
+                            state.scene->services.get(), carriedBy(state, volume)});
+    if (!shape) {
+      state.appendAt(volume.origin.location, shape.errors());
+      continue;
+    }
+    Box<World> bounds = (*shape)->worldBounds();
+    if (motion) bounds = placed(bounds, MovingPlace(motion).at(state.scene->shutter.open));
+    for (const volume::Medium* medium :
+         {state.scene->volumes[i], state.scene->shadowVolumes[i], state.scene->cameraVolumes[i]}) {
+      MediumPlace& place = state.placements[medium->index].place;
+      place.extent = length(bounds.upper - bounds.lower);
+      place.domain = (*shape)->objectBounds();
+      place.staysInside = true;
+    }
+    auto added = motion ? state.builder.addVolume(std::move(*shape), MovingPlace(motion))
+                        : state.builder.addVolume(std::move(*shape));
+    if (!added) {
+      state.appendAt(volume.origin.location, added.errors());
+    }
+  }
+}
+
+void buildGeometry(Preparation& state) {
+  using scene::OverlapChoice;
+  accel::SceneOptions options{.embreeIsa = state.options.embreeIsa, .shutter = state.scene->shutter};
+  const OverlapChoice choice = state.description.integrator.overlap;
+  if (choice == OverlapChoice::partition) options.overlap = accel::OverlapDesign::partition;
+  if (choice == OverlapChoice::automatic) options.overlap = state.builder.preferredOverlapDesign();
+  auto built = state.builder.build(options);
+  if (built) {
+    state.scene->geometry.emplace(std::move(*built));
+  } else {
+    state.errors.append(built.errors());
+  }
+}
+
+std::unique_ptr<const LightSurface> lightSurface(const Preparation& state, const scene::Shape& shape,
+                                                 accel::ObjectId object) {
+  switch (shape.type) {
+    case scene::ShapeType::sphere:
+      return makeSphereLight(sphereToWorld(state, shape), shape.flipNormals);
+    case scene::ShapeType::disk:
+      return makeDiskLight(state.atOpening(shape.toWorld), shape.flipNormals);
+    case scene::ShapeType::cylinder:
+      return makeCylinderLight(cylinderToWorld(state, shape), shape.flipNormals);
+    case scene::ShapeType::rectangle:
+      return makeRectangleLight(state.atOpening(shape.toWorld), shape.flipNormals);
+    default:
+      break;
+  }
+  const accel::TriangleMesh& mesh = *state.scene->geometry->mesh(object);
+  if (!shape.toWorld.motionDuring(state.scene->shutter)) return makeMeshLight(mesh);
+  accel::TriangleMesh placed = mesh;
+  accel::transformMesh(placed, state.atOpening(shape.toWorld));
+  return makeMeshLight(placed);
+}
+
+}  // namespace aerosol::render

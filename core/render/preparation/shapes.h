@@ -1,0 +1,18 @@
+// Shapes and volumes in the geometry, as a scene is prepared.
+#pragma once
+
+#include "core/render/light_surface.h"
+#include "core/render/preparation/state.h"
+
+namespace aerosol::render {
+
+void addShapes(Preparation& state);
+void addVolumes(Preparation& state);
+
+void buildGeometry(Preparation& state);
+
+/// For lights and areas; null for a shape without area.
+std::unique_ptr<const LightSurface> lightSurface(const Preparation& state, const scene::Shape& shape,
+                                                 accel::ObjectId object);
+
+}  // namespace aerosol::render
