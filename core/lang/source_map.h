@@ -61,6 +61,9 @@ class SourceMap {
   /// The last position that was added: of a whole source, the end of its main file.
   Position end() const { return static_cast<Position>(entries_.size() - 1); }
 
+  /// Whether the position lies in the main file: not in the standard library or in another file that is included.
+  bool isInMainFile(Position position) const { return entry(position).file == entry(end()).file; }
+
   /// Whether the two positions lie on the same physical line.
   bool onSameLine(Position first, Position second) const;
 

@@ -15,6 +15,7 @@ using ::testing::HasSubstr;
 std::vector<std::string> warnings(const std::string& statements, const std::string& before = "") {
   CompileOptions options;
   options.standardLibrary = AEROSOL_SOURCE_DIR "/shaders/stdosl.h";
+  options.includePaths = {AEROSOL_SOURCE_DIR "/shaders"};
   const auto compiled = compileString(
       before + "surface s(float p = 1, output float f = 0, output color c = 0)\n{" + statements + "}", "t", options);
   EXPECT_TRUE(compiled) << format(compiled.errors());
@@ -49,6 +50,27 @@ TEST(Usage, FindsReadsBeforeAnyAssignment) {
   EXPECT_THAT(warnings("float a, b; b = a++; f = b;"),
               ElementsAre("18: 'a' is read before anything is assigned to it"));
   EXPECT_THAT(warnings("float a; void set(float x) { a = x; } set(1); f = a;"), ElementsAre());
+}
+
+TEST(Usage, NamesFunctionsThatNothingCalls) {
+  EXPECT_THAT(warnings("f = p;", "float g(float x) { return x; }\n"), ElementsAre("7: function 'g' is never called"));
+  EXPECT_THAT(warnings("f = g(p);", "float g(float x) { return x; } float g(int x) { return x; }\n"),
+              ElementsAre("38: function 'g' is never called"));
+  EXPECT_THAT(warnings("float g(float x) { return x; } f = p;"), ElementsAre("8: function 'g' is never called"));
+  EXPECT_THAT(warnings("f = h(p);", "float g(float x) { return x; } float h(float x) { return g(x); }\n"),
+              ElementsAre());
+  EXPECT_THAT(
+      warnings("f = h(p);", "float g(float x); float h(float x) { return g(x); } float g(float x) { return x; }\n"),
+      ElementsAre());
+  EXPECT_THAT(warnings("f = p;", "#pragma osl nowarn\nfloat g(float x) { return x; }\n"), ElementsAre());
+}
+
+TEST(Usage, LeavesFunctionsOfIncludedFilesAndOperatorsAlone) {
+  EXPECT_THAT(warnings("f = p;", "#include \"color4.h\"\n"), ElementsAre());
+  EXPECT_THAT(warnings("f = p;",
+                       "struct two { float a, b; };\n"
+                       "two __operator__add__(two x, two y) { return two(x.a + y.a, x.b + y.b); }\n"),
+              ElementsAre());
 }
 
 TEST(Usage, TakesOptionsForWritten) {
