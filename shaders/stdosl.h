@@ -473,6 +473,19 @@ closure color translucent() { return translucent(N); }
 closure color microfacet(string distribution, normal n, float alpha, float eta, int refract) {
   return microfacet(distribution, n, vector(0), alpha, alpha, eta, refract);
 }
+// Names of before `microfacet`; without an index there is no Fresnel term.
+closure color microfacet_ggx(normal n, float alpha, float eta) { return microfacet("ggx", n, alpha, eta, 0); }
+closure color microfacet_ggx(normal n, float alpha) { return microfacet_ggx(n, alpha, 0.0); }
+closure color microfacet_ggx_refraction(normal n, float alpha, float eta) {
+  return microfacet("ggx", n, alpha, eta, 1);
+}
+closure color microfacet_beckmann(normal n, float alpha, float eta) {
+  return microfacet("beckmann", n, alpha, eta, 0);
+}
+closure color microfacet_beckmann(normal n, float alpha) { return microfacet_beckmann(n, alpha, 0.0); }
+closure color microfacet_beckmann_refraction(normal n, float alpha, float eta) {
+  return microfacet("beckmann", n, alpha, eta, 1);
+}
 
 // Complex index of refraction of a metal from its colour at facing and towards grazing angles (Gulbrandsen 2014,
 // "Artist friendly metallic Fresnel").
