@@ -155,6 +155,9 @@ struct BakeArguments {
   std::vector<std::string> frames;  ///< Instead of a shader: OpenVDB files, one a time.
   std::array<float, 6> bounds{};    ///< Least corner, greatest corner; scene units.
   double voxelSize = 0;             ///< Scene units.
+  std::string frustum;              ///< A scene, in the frustum of whose camera voxels stand; empty: none.
+  bool projective = false;          ///< Of that: even steps of 1 / depth, not of depth.
+  int slices = 0;                   ///< Of that: voxels along the depth; 0: chosen.
   std::string output;
   std::vector<std::pair<std::string, std::string>> values;  ///< Of parameters.
   TimeRange time;

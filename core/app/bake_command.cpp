@@ -10,11 +10,15 @@
 #include "core/app/interrupt.h"
 #include "core/app/progress.h"
 #include "core/app/quantity.h"
+#include "core/app/registered_types.h"
 #include "core/app/temporal_bake.h"
 #include "core/app/toolchain.h"
 #include "core/image/pending_file.h"
 #include "core/render/baker.h"
+#include "core/render/camera_frustum.h"
 #include "core/render/scene_services.h"
+#include "core/scene/loader.h"
+#include "plugins/registration.h"
 
 namespace aerosol::app {
 
@@ -38,7 +42,7 @@ class Bake {
   }
 
   ExitCode run() {
-    if (!checkLattice() || !prepare()) return ExitCode::badInput;
+    if (!placeFrustum() || !checkLattice() || !prepare()) return ExitCode::badInput;
     const std::vector<float> times = arguments_.time.times();
     if (arguments_.temporal)
       return bakeTemporal(times) ? (watch_.stopFlag() ? ExitCode::interrupted : ExitCode::success) : ExitCode::badInput;
@@ -60,6 +64,30 @@ class Bake {
   bool accept(const Diagnostics& diagnostics) {
     console_.report(diagnostics);
     return !diagnostics.hasErrors();
+  }
+
+  /// Where voxels stand in the view of a camera, if they shall.
+  bool placeFrustum() {
+    if (arguments_.frustum.empty()) return true;
+    render::Registry registry;
+    render::registerPlugins(registry);
+    Diagnostics warnings;
+    const auto scene = scene::load(arguments_.frustum, {{}, {}, registeredTypes(registry)}, warnings);
+    if (!scene) return accept(scene.errors());
+    Box<World> bounds;
+    for (int i = 0; i < 3; ++i) {
+      bounds.lower[i] = lattice_.bounds.lower[i];
+      bounds.upper[i] = lattice_.bounds.upper[i];
+    }
+    using render::FrustumDepth;
+    const auto frustum =
+        render::makeCameraFrustum(scene->sensor, scene->film, bounds,
+                                  {arguments_.voxelSize, arguments_.slices,
+                                   arguments_.projective ? FrustumDepth::projective : FrustumDepth::linear});
+    if (!frustum) return fail(frustum.errors().entries().front().message);
+    lattice_.frustum = {frustum->map, frustum->size};
+    frustumInFile_ = frustum->file;
+    return true;
   }
 
   bool checkLattice() {
@@ -131,7 +159,7 @@ class Bake {
       return true;
     }
     const BakedKinds kinds = findKinds(blocks);
-    std::vector<grid::NewGrid> grids = emptyGrids(kinds, lattice_.voxelSize);
+    std::vector<grid::NewGrid> grids = emptyGrids(kinds, lattice_.voxelSize, frustumInFile_);
     for (grid::NewGrid& grid : grids) {
       for (const render::BakedBlock& block : blocks) grid.blocks.push_back({block.origin, valuesOf(block, grid)});
     }
@@ -196,6 +224,7 @@ class Bake {
   const Console& console_;
   InterruptWatch watch_;
   render::BakeLattice lattice_;
+  std::optional<grid::NewFrustum> frustumInFile_;
   std::optional<shading::ShaderLibrary> library_;
   shading::GroupLibrary groups_;
   std::vector<scene::ShaderUse> layers_;

@@ -17,6 +17,7 @@ constexpr const char* bakeExamples = R"(Examples:
   aerosol bake puff.osl --bounds -1,-1,-1,1,1,1 --voxel 0.05 -o puff.%04d.vdb --time 0,1,24 --set density=20
   aerosol bake flame.osl --bounds -1,-1,-1,1,3,1 --voxel 0.05 --temporal --time 0,0.5,16 -o flame.avt
   aerosol bake --temporal --time 0,1,3 a.vdb b.vdb c.vdb -o smoke.avt
+  aerosol bake cumulus --frustum scene.xml --bounds -1,-1,-1,1,1,1 --voxel 0.01 -o cloud.vdb
 
 With --temporal each voxel's values become a few straight lines in time, for motion blur: what passes is seen where it
 passes, and no velocity is needed. The OpenVDB files of a sequence stand for evenly spaced times.
@@ -68,6 +69,19 @@ void addBake(CLI::App& program, BakeArguments& bake) {
     bake.voxelSize = *number;
   };
   addParsed(app, "--voxel", "SIZE", voxel, "Size of a voxel");
+  app.add_option(
+         "--frustum", bake.frustum,
+         "Voxels stand in what the camera of this scene sees, finer near to it;\n--voxel is their width at the near "
+         "end of the bounds, which are in world space")
+      ->option_text("SCENE");
+  const auto depth = [&bake](const std::string& option, const std::string& text) {
+    if (text != "linear" && text != "projective") refuse(option, fmt::format("'{}' is not linear or projective", text));
+    bake.projective = text == "projective";
+  };
+  addParsed(app, "--depth", "linear|projective", depth,
+            "With --frustum: even steps of depth, which all programs read\nthat read OpenVDB's frustums, or of 1 / "
+            "depth [linear]");
+  addInteger(app, "--slices", bake.slices, 1, "With --frustum: voxels along the depth");
   app.add_flag("--temporal", bake.temporal, "All times in one file of curves, .avt");
   const auto deviation = [&bake](const std::string& option, const std::string& text) {
     scene::TextError error;
@@ -112,6 +126,8 @@ void addBake(CLI::App& program, BakeArguments& bake) {
 std::string problemOf(const BakeArguments& bake) {
   const std::string extension = std::filesystem::path(bake.output).extension().string();
   if (!bake.temporal && !bake.frames.empty()) return "files of a sequence are joined with --temporal";
+  if (bake.temporal && !bake.frustum.empty()) return "a file of curves has no frustum: --temporal or --frustum";
+  if (bake.frustum.empty() && (bake.projective || bake.slices > 0)) return "--depth and --slices are for --frustum";
   if (bake.temporal && bake.time.count > 255) return "a file of curves has at most 255 times";
   if (extension != (bake.temporal ? ".avt" : ".vdb"))
     return fmt::format("'{}' does not end in {}", bake.output, bake.temporal ? ".avt" : ".vdb");

@@ -51,12 +51,14 @@ std::string BakedKinds::description() const {
   return std::string("density") + (hasAlbedo ? ", albedo" : "") + (hasEmission ? ", emission" : "");
 }
 
-std::vector<grid::NewGrid> emptyGrids(const BakedKinds& kinds, double voxelSize) {
+std::vector<grid::NewGrid> emptyGrids(const BakedKinds& kinds, double voxelSize,
+                                      const std::optional<grid::NewFrustum>& frustum) {
   std::vector<grid::NewGrid> grids;
   grids.push_back(emptyGrid("density", kinds.isChromatic ? 3 : 1, voxelSize));
   grids.back().isFog = true;
   if (kinds.hasAlbedo) grids.push_back(emptyGrid("albedo", 3, voxelSize));
   if (kinds.hasEmission) grids.push_back(emptyGrid("emission", 3, voxelSize));
+  for (grid::NewGrid& grid : grids) grid.frustum = frustum;
   return grids;
 }
 

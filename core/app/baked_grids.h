@@ -1,6 +1,7 @@
 // From a baked shader's coefficients to the grids that hold them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ BakedKinds findKinds(const std::vector<render::BakedBlock>& blocks);
 
 /// "density" (extinction), with three channels where those differ; "albedo" where it varies; "emission" where there is
 /// some. Without blocks.
-std::vector<grid::NewGrid> emptyGrids(const BakedKinds& kinds, double voxelSize);
+std::vector<grid::NewGrid> emptyGrids(const BakedKinds& kinds, double voxelSize,
+                                      const std::optional<grid::NewFrustum>& frustum = {});
 
 /// The values of grid `name` in a block with one time, or at time number `time` of several: channels side by side.
 std::vector<float> valuesOf(const render::BakedBlock& block, const grid::NewGrid& grid, std::size_t time = 0);

@@ -35,6 +35,7 @@ class Sequence {
     if (!grid) return fmt::format("there is no grid '{}', which the first file has", info_.name);
     const VoxelGridInfo& info = grid->info();
     if (!info.problem.empty()) return fmt::format("grid '{}': {}", info.name, info.problem);
+    if (info.frustum) return fmt::format("grid '{}' stands in a frustum: a file of curves has no such map", info.name);
     if (info.channels != info_.channels || info.indexToFile != info_.indexToFile)
       return fmt::format("grid '{}' has another type or another map than in the first file", info.name);
     grids_.push_back(grid);

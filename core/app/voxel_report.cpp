@@ -27,7 +27,12 @@ std::string describeGrid(const VoxelGridInfo& info) {
     line("bounds", textOf(std::span<const double>(info.bounds).first(3)) + " to " +
                        textOf(std::span<const double>(info.bounds).last(3)));
   }
-  line("voxel size", textOf(std::span<const double>(info.voxelSize)));
+  line("voxel size", textOf(std::span<const double>(info.voxelSize)) + (info.frustum ? " in the middle" : ""));
+  if (info.frustum) {
+    const bool isLinear = info.frustum->denominator[0] != info.frustum->denominator[2];
+    line("frustum", isLinear ? "even steps of depth" : "even steps of 1 / depth");
+    if (info.frustum->eye) line("eye", textOf(std::span<const double>(*info.frustum->eye)));
+  }
   if (!info.problem.empty()) {
     line("cannot be read", info.problem);
     return text;

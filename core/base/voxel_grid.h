@@ -5,12 +5,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/base/voxel_map.h"
 
 namespace aerosol {
 
@@ -33,7 +35,8 @@ struct VoxelGridInfo {
   std::array<std::int32_t, 6> indexBounds = {};  ///< Active voxels, both corners included.
   std::array<double, 6> bounds = {};             ///< Of the active voxels as cells, in the space of the file.
   std::array<double, 3> voxelSize = {};
-  std::array<double, 16> indexToFile = {};  ///< Row-major, for column vectors.
+  std::array<double, 16> indexToFile = {};  ///< Row-major, for column vectors; of affine maps.
+  std::optional<VoxelMap> frustum;          ///< The map of voxels that stand in a frustum.
   std::array<float, 3> background = {};
   std::array<float, 3> least = {}, greatest = {};   ///< Of the finite active values, by channel; 0 when there are none.
   std::uint64_t nanValues = 0, infiniteValues = 0;  ///< Stored values that are none or infinite, active or not.

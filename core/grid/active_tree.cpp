@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/grid/voxel_support.h"
+
 namespace aerosol::grid {
 
 namespace {
@@ -12,25 +14,6 @@ namespace {
 constexpr int levelBits = 2;
 constexpr std::uint32_t childCount = 1u << 3 * levelBits;
 constexpr double blockSize = 1 << ActiveTree::blockBits;
-
-/// Voxels v are read by a lookup at p when floor(p) is from v - before to v + behind; the support of a voxel is open
-/// by `reach` to both sides.
-struct Support {
-  int before, behind;
-  double reach;
-};
-
-Support supportOf(VoxelInterpolation interpolation) {
-  switch (interpolation) {
-    case VoxelInterpolation::nearest:
-      return {1, 0, 0.5};
-    case VoxelInterpolation::trilinear:
-      return {1, 0, 1};
-    case VoxelInterpolation::tricubic:
-      return {2, 1, 2};
-  }
-  return {2, 1, 2};
-}
 
 std::int32_t clampCell(double x, std::int32_t first, std::int32_t last) {
   if (!(x > static_cast<double>(first))) return first;
@@ -41,7 +24,7 @@ std::int32_t clampCell(double x, std::int32_t first, std::int32_t last) {
 
 ActiveTree::ActiveTree(std::span<const VoxelBox> active, VoxelInterpolation interpolation) {
   if (active.empty()) return;
-  const Support support = supportOf(interpolation);
+  const VoxelSupport support = supportOf(interpolation);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   lower_ = {infinity, infinity, infinity};
   upper_ = {-infinity, -infinity, -infinity};

@@ -26,6 +26,7 @@ bool isSound(Color c) { return isFinite(c) && minimum(c) >= 0; }
 }  // namespace
 
 std::array<std::int64_t, 2> BakeLattice::range(int axis) const {
+  if (frustum) return {0, frustum->size[static_cast<std::size_t>(axis)] - 1};
   // A point on the edge belongs to the box though the quotient may be rounded away from it.
   constexpr double slack = 1e-6;
   return {static_cast<std::int64_t>(std::ceil(static_cast<double>(bounds.lower[axis]) / voxelSize - slack)),
@@ -39,6 +40,34 @@ double BakeLattice::size() const {
     product *= static_cast<double>(std::max<std::int64_t>(0, last - first + 1));
   }
   return product;
+}
+
+Point<Object> BakeLattice::at(const std::array<std::int64_t, 3>& index) const {
+  Point<Object> point;
+  VoxelMap::Triple place;
+  for (std::size_t i = 0; i < 3; ++i) place[i] = static_cast<double>(index[i]) * (frustum ? 1 : voxelSize);
+  if (frustum) place = frustum->map.toFile(place).value_or(VoxelMap::Triple{});
+  for (std::size_t i = 0; i < 3; ++i) point[static_cast<int>(i)] = static_cast<float>(place[i]);
+  return point;
+}
+
+Box<Object> BakeLattice::boxAround(const std::array<std::int64_t, 3>& first,
+                                   const std::array<std::int64_t, 3>& last) const {
+  if (!frustum) return {at(first), at(last)};
+  VoxelMap::Triple least, greatest, lower, upper;
+  for (std::size_t i = 0; i < 3; ++i) {
+    least[i] = static_cast<double>(first[i]);
+    greatest[i] = static_cast<double>(last[i]);
+  }
+  frustum->map.fileBox(least, greatest, lower, upper);
+  Box<Object> box;
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double slack = 1e-9 * (std::fabs(lower[k]) + std::fabs(upper[k]));
+    box.lower[i] = std::nextafter(static_cast<float>(lower[k] - slack), -std::numeric_limits<float>::infinity());
+    box.upper[i] = std::nextafter(static_cast<float>(upper[k] + slack), std::numeric_limits<float>::infinity());
+  }
+  return box;
 }
 
 /// What one thread works with.
@@ -78,21 +107,19 @@ class Baker::Worker {
   }
 
  private:
-  float coordinate(std::int64_t index) const {
-    return static_cast<float>(static_cast<double>(index) * lattice_.voxelSize);
-  }
-
   Box<Object> boxOf(const std::array<std::int64_t, 3>& first, const std::array<std::int64_t, 3>& end) const {
-    Box<Object> box;
-    for (int i = 0; i < 3; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      box.lower[i] = coordinate(std::max(first[k] * side, ranges_[k][0]));
-      box.upper[i] = coordinate(std::min(end[k] * side - 1, ranges_[k][1]));
+    std::array<std::int64_t, 3> least{}, greatest{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      least[k] = std::max(first[k] * side, ranges_[k][0]);
+      greatest[k] = std::min(end[k] * side - 1, ranges_[k][1]);
     }
-    return box;
+    return lattice_.boxAround(least, greatest);
   }
 
   bool isProvenEmpty(const Box<Object>& box) {
+    for (int i = 0; i < 3; ++i) {
+      if (box.lower[i] > lattice_.bounds.upper[i] || box.upper[i] < lattice_.bounds.lower[i]) return true;
+    }
     if (!family_.bounds) return false;
     const shading::VolumeBox asked{box, times_.front(), times_.back()};
     shading::CoefficientBounds bounds;
@@ -131,8 +158,11 @@ class Baker::Worker {
     for (std::size_t i = 0; i < 3; ++i) {
       if (index[i] < ranges_[i][0] || index[i] > ranges_[i][1]) return;
     }
-    const Point<World> p(coordinate(index[0]), coordinate(index[1]), coordinate(index[2]));
-    points_.push(shading::VolumePoint{p, Vector<World>(0, 0, 1), time}, baker_.shader_.index);
+    const Point<Object> p = lattice_.at(index);
+    for (int i = 0; i < 3 && lattice_.frustum; ++i) {
+      if (p[i] < lattice_.bounds.lower[i] || p[i] > lattice_.bounds.upper[i]) return;
+    }
+    points_.push(shading::VolumePoint{Point<World>(p.x, p.y, p.z), Vector<World>(0, 0, 1), time}, baker_.shader_.index);
     places_.push_back(n);
   }
 

@@ -7,10 +7,12 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "core/base/motion.h"
 #include "core/base/result.h"
+#include "core/base/voxel_map.h"
 #include "core/render/shader_binding.h"
 #include "core/shading/kernel_host.h"
 #include "core/shading/services.h"
@@ -20,13 +22,23 @@ namespace aerosol::render {
 
 /// Points at whole multiples of the voxel size that lie in the box, edges included.
 struct BakeLattice {
+  /// Instead: points 0 to size - 1 of a frustum that lie in the box.
+  struct Frustum {
+    VoxelMap map;
+    std::array<std::int64_t, 3> size{};
+  };
+
   Box<Object> bounds;
   double voxelSize = 0.1;
+  std::optional<Frustum> frustum;
 
   /// Least and greatest index along an axis.
   std::array<std::int64_t, 2> range(int axis) const;
   /// Of points.
   double size() const;
+  Point<Object> at(const std::array<std::int64_t, 3>& index) const;
+  /// Around the points from `first` to `last`, both included.
+  Box<Object> boxAround(const std::array<std::int64_t, 3>& first, const std::array<std::int64_t, 3>& last) const;
 };
 
 /// 8 x 8 x 8 points at several times. Numbers stand as ((time * 8 + x) * 8 + y) * 8 + z, three a point, of points

@@ -41,6 +41,17 @@ class Camera {
   double tangentX() const { return tangentX_; }
   bool isOrthographic() const { return isOrthographic_; }
 
+  /// What a pinhole sees at distance 1 in camera space.
+  struct View {
+    double x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+  };
+  View view() const {
+    const double x = 2 * shiftX_ / width_, y = 2 * shiftY_ / height_;
+    return {(-1 - x) * tangentX_, (1 - x) * tangentX_, (-1 - y) * tangentY_, (1 - y) * tangentY_};
+  }
+  double nearClip() const { return nearClip_; }
+  double farClip() const { return farClip_; }
+
   /// Whether `ray` uses `CameraSample::lens`.
   bool hasLens() const { return apertureRadius_ > 0; }
 

@@ -9,6 +9,7 @@
 #include "core/grid/active_tree.h"
 #include "core/render/registry.h"
 #include "plugins/volumes/frame_files.h"
+#include "plugins/volumes/frustum_volume.h"
 
 namespace aerosol::render {
 
@@ -110,6 +111,8 @@ class ActiveVoxels {
   std::string add(const VoxelGrid& grid) {
     const VoxelGridInfo& info = grid.info();
     if (!info.problem.empty()) return info.problem;
+    if (!hasFirst_) frustum_ = info.frustum;
+    if (info.frustum || frustum_) return addFrustum(grid);
     Matrix4 inverse;
     if (!invert(indexToFile(info), inverse)) return "its map has no inverse";
     if (!hasFirst_) {
@@ -128,10 +131,20 @@ class ActiveVoxels {
   }
 
   const std::vector<VoxelBox>& boxes() const { return boxes_; }
+  /// The map of all of them, where they stand in a frustum.
+  const std::optional<VoxelMap>& frustum() const { return frustum_; }
   const Matrix4& toFile() const { return toFile_; }
   const Matrix4& toIndex() const { return toIndex_; }
 
  private:
+  std::string addFrustum(const VoxelGrid& grid) {
+    if (grid.info().frustum != frustum_) return "its frustum is not that of the first grid";
+    if (carried_.velocity) return "what stands in a frustum cannot be carried by a velocity grid";
+    hasFirst_ = true;
+    for (const VoxelBox& box : grid.activeBoxes()) boxes_.push_back(box);
+    return {};
+  }
+
   /// The voxels around the box's supports; one more, as a support of one grid's voxel is not that of the other's.
   static bool carry(const Matrix4& map, VoxelBox& box) {
     std::array<double, 3> lower{}, upper{};
@@ -168,6 +181,7 @@ class ActiveVoxels {
 
   const CarriedMatter& carried_;
   std::vector<VoxelBox> boxes_;
+  std::optional<VoxelMap> frustum_;
   Matrix4 toFile_ = identityMatrix(), toIndex_ = identityMatrix();
   bool hasFirst_ = false;
 };
@@ -208,6 +222,15 @@ Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& ar
     const std::string& name = arguments.volume.get<std::string>("grid");
     return problem(arguments, fmt::format("grid '{}' of '{}' has no active voxels", name, files->front()));
   }
+  const std::int32_t cells = arguments.volume.get<std::int32_t>("overlay_cells");
+  if (active.frustum()) {
+    grid::KdTree blocks(active.boxes(), interpolationOf(arguments.volume.get<std::string>("interpolation")));
+    return {std::make_unique<FrustumVolume>(arguments.toWorld, *active.frustum(), std::move(blocks), cells)};
+  }
+  if (cells > 0) {
+    arguments.warnings.warning(arguments.volume.origin.of("overlay_cells"),
+                               "'overlay_cells' means nothing here: the voxels do not stand in a frustum", {});
+  }
   grid::ActiveTree tree(active.boxes(), interpolationOf(arguments.volume.get<std::string>("interpolation")));
   return {std::make_unique<GridVolume>(arguments.toWorld, active.toFile(), active.toIndex(), std::move(tree))};
 }
@@ -223,6 +246,12 @@ std::vector<scene::ParameterSpec> parameters() {
                  .doc = "the widest with which the medium reads the grid: how far beyond active voxels it is seen",
                  .defaultValue = std::string("tricubic"),
                  .choices = {"nearest", "trilinear", "tricubic"}});
+  all.push_back({.name = "overlay_cells",
+                 .type = scene::ValueType::integer,
+                 .doc = "for voxels in a frustum: a regular grid with so many cells along its longest side stands for "
+                        "their blocks; 0: the blocks themselves",
+                 .defaultValue = std::int32_t{0},
+                 .range = scene::Range::atLeast(0)});
   return all;
 }
 

@@ -11,6 +11,7 @@ namespace aerosol::grid {
 struct LookupArguments {
   const Directory* directory = nullptr;
   const double* fileToIndex = nullptr;  ///< Rows of a map on column vectors: 12 numbers.
+  const double* divisors = nullptr;     ///< Likewise, what each coordinate is to be divided by; null: by 1.
   std::size_t count = 0;
   const float *x = nullptr, *y = nullptr, *z = nullptr;
   float* results = nullptr;  ///< Channel after channel.

@@ -9,6 +9,7 @@
 #include "core/grid/module/lookup.h"
 #include "core/grid/module/range_query.h"
 #include "core/grid/module/scalar_lookup.h"
+#include "core/grid/module/writer.h"
 
 namespace aerosol::grid {
 
@@ -52,6 +53,62 @@ std::array<double, 16> columnVectorMap(const openvdb::math::Mat4d& map) {
   return result;
 }
 
+Matrix4 matrixOf(const openvdb::math::Mat4d& map) {
+  Matrix4 m;
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c) m[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)] = map(c, r);
+  return m;
+}
+
+/// The map of voxels that stand in a frustum; nothing of others. What is wrong with it goes to `problem`.
+std::optional<VoxelMap> frustumOf(const openvdb::GridBase& grid, std::string& problem) {
+  std::optional<VoxelMap> map;
+  if (const auto projection = grid.getMetadata<openvdb::Mat4DMetadata>(projectionName)) {
+    map = VoxelMap::projective(matrixOf(projection->value()));
+  } else if (const auto frustum = grid.transform().constMap<openvdb::math::NonlinearFrustumMap>()) {
+    const openvdb::BBoxd& box = frustum->getBBox();
+    const openvdb::math::Mat4d second = frustum->secondMap().getMat4();
+    const bool isSound = frustum->getTaper() > 0 && frustum->getDepth() > 0 && second.det() != 0 &&
+                         (box.extents().x() > 0) && (box.extents().z() > 0);
+    if (!isSound) {
+      problem = "its frustum has no volume";
+      return {};
+    }
+    const auto triple = [](const openvdb::Vec3d& v) { return VoxelMap::Triple{v.x(), v.y(), v.z()}; };
+    map = VoxelMap::linearDepth(triple(box.min()), triple(box.max()), frustum->getTaper(), frustum->getDepth(),
+                                matrixOf(second.inverse()));
+  }
+  if (!map) return {};
+  for (const auto* forms : {&map->numerator, &map->denominator}) {
+    for (const VoxelMap::Form& form : *forms) {
+      if (!std::ranges::all_of(form, [](double x) { return std::isfinite(x); })) problem = "its frustum is not finite";
+    }
+  }
+  return problem.empty() ? map : std::nullopt;
+}
+
+/// Of the active voxels as cells, where the map of the grid itself does not tell.
+void describeFrustum(VoxelGridInfo& info) {
+  VoxelMap::Triple least, greatest, lower, upper, middle;
+  for (std::size_t r = 0; r < 3; ++r) {
+    least[r] = info.indexBounds[r] - 0.5;
+    greatest[r] = info.indexBounds[3 + r] + 0.5;
+    middle[r] = 0.5 * (least[r] + greatest[r]);
+  }
+  info.frustum->fileBox(least, greatest, lower, upper);
+  std::ranges::copy(lower, info.bounds.begin());
+  std::ranges::copy(upper, info.bounds.begin() + 3);
+  const auto centre = info.frustum->toFile(middle);
+  for (std::size_t r = 0; r < 3 && centre; ++r) {
+    VoxelMap::Triple next = middle;
+    next[r] += 1;
+    const auto place = info.frustum->toFile(next);
+    if (place)
+      info.voxelSize[r] =
+          std::hypot((*place)[0] - (*centre)[0], (*place)[1] - (*centre)[1], (*place)[2] - (*centre)[2]);
+  }
+}
+
 /// A grid of which nothing but its description is known.
 class DescribedGrid final : public VoxelGrid {
  public:
@@ -73,10 +130,12 @@ class NanoGrid final : public VoxelGrid {
   static constexpr std::size_t channels = sizeof(ValueT) / sizeof(float);
   using Tree = nanovdb::NanoTree<ValueT>;
 
-  NanoGrid(VoxelGridInfo info, nanovdb::GridHandle<> handle, const openvdb::math::Mat4d& fileToIndex)
+  NanoGrid(VoxelGridInfo info, nanovdb::GridHandle<> handle, const VoxelMap& map)
       : info_(std::move(info)), handle_(std::move(handle)), grid_(handle_.grid<ValueT>()) {
-    const auto map = columnVectorMap(fileToIndex);
-    std::copy_n(map.begin(), 12, fileToIndex_);
+    for (std::size_t r = 0; r < 3; ++r) {
+      std::ranges::copy(map.numerator[r], fileToIndex_ + 4 * r);
+      std::ranges::copy(map.denominator[r], divisors_ + 4 * r);
+    }
     directory_ = DirectoryBuilder<ValueT>(grid_->tree()).build();
     info_.channels = channels;
     std::memcpy(info_.background.data(), &grid_->tree().background(), sizeof(ValueT));
@@ -92,7 +151,14 @@ class NanoGrid final : public VoxelGrid {
 
   void sample(VoxelInterpolation interpolation, std::size_t count, const float* x, const float* y, const float* z,
               float* results) const override {
-    const LookupArguments arguments{directory_ ? &*directory_ : nullptr, fileToIndex_, count, x, y, z, results};
+    const LookupArguments arguments{directory_ ? &*directory_ : nullptr,
+                                    fileToIndex_,
+                                    info_.frustum ? divisors_ : nullptr,
+                                    count,
+                                    x,
+                                    y,
+                                    z,
+                                    results};
     if (directory_) {
       lookUp(interpolation, arguments);
     } else {
@@ -102,6 +168,8 @@ class NanoGrid final : public VoxelGrid {
 
   VoxelRange range(VoxelInterpolation interpolation, const std::array<double, 3>& lower,
                    const std::array<double, 3>& upper, int channel) const override {
+    if (directory_ && info_.frustum)
+      return findRange(*directory_, *info_.frustum, interpolation, lower, upper, channel);
     if (directory_) return findRange(*directory_, fileToIndex_, interpolation, lower, upper, channel);
     return widened(total_[static_cast<std::size_t>(channel)], interpolation);
   }
@@ -201,7 +269,7 @@ class NanoGrid final : public VoxelGrid {
   VoxelGridInfo info_;
   nanovdb::GridHandle<> handle_;
   const nanovdb::NanoGrid<ValueT>* grid_;
-  double fileToIndex_[12] = {};
+  double fileToIndex_[12] = {}, divisors_[12] = {};
   std::optional<Directory> directory_;
   ChannelRanges active_, total_;
 };
@@ -210,10 +278,20 @@ template <class NanoT, class TreeT>
 std::unique_ptr<VoxelGrid> convert(const openvdb::Grid<TreeT>& grid, VoxelGridInfo info) {
   using nanovdb::ChecksumMode;
   using nanovdb::StatsMode;
-  const auto map = grid.transform().baseMap()->getAffineMap()->getMat4();
-  info.indexToFile = columnVectorMap(map);
-  auto handle = nanovdb::openToNanoVDB<nanovdb::HostBuffer, TreeT, NanoT>(grid, StatsMode::All, ChecksumMode::Disable);
-  return std::make_unique<NanoGrid<NanoT>>(std::move(info), std::move(handle), map.inverse());
+  VoxelMap map;
+  openvdb::GridBase::ConstPtr source = grid.copyGrid();
+  if (info.frustum) {
+    // NanoVDB has no such map: lookups go by ours.
+    map = *info.frustum;
+    source = grid.copyGridReplacingTransform(openvdb::math::Transform::createLinearTransform());
+  } else {
+    const auto affine = grid.transform().baseMap()->getAffineMap()->getMat4();
+    info.indexToFile = columnVectorMap(affine);
+    map = VoxelMap::affine(matrixOf(affine.inverse()));
+  }
+  auto handle = nanovdb::openToNanoVDB<nanovdb::HostBuffer, TreeT, NanoT>(
+      static_cast<const openvdb::Grid<TreeT>&>(*source), StatsMode::All, ChecksumMode::Disable);
+  return std::make_unique<NanoGrid<NanoT>>(std::move(info), std::move(handle), map);
 }
 
 /// A grid of another type of value, value by value to float (or three floats).
@@ -246,12 +324,13 @@ const GridT* as(const openvdb::GridBase& grid) {
 
 std::unique_ptr<VoxelGrid> makeGrid(const openvdb::GridBase& grid) {
   VoxelGridInfo info = describe(grid);
-  if (!grid.transform().isLinear()) {
-    info.problem = "its map is not affine";
-    return std::make_unique<DescribedGrid>(std::move(info));
-  }
-  if (std::abs(grid.transform().baseMap()->determinant()) == 0 ||
-      !std::isfinite(grid.transform().baseMap()->determinant())) {
+  info.frustum = frustumOf(grid, info.problem);
+  if (grid.getMetadata<openvdb::Mat4DMetadata>(projectionName) && info.frustum && !info.isEmpty) describeFrustum(info);
+  if (info.problem.empty() && !info.frustum && !grid.transform().isLinear())
+    info.problem = "its map is neither affine nor a frustum";
+  if (!info.problem.empty()) return std::make_unique<DescribedGrid>(std::move(info));
+  const double determinant = info.frustum ? 1 : grid.transform().baseMap()->determinant();
+  if (determinant == 0 || !std::isfinite(determinant)) {
     info.problem = "its map has no inverse";
     return std::make_unique<DescribedGrid>(std::move(info));
   }

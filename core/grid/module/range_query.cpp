@@ -13,6 +13,19 @@ struct VoxelBox {
   std::int32_t least[3], greatest[3];
 };
 
+/// The voxels that lookups between two places of an axis read.
+void readAround(double least, double greatest, VoxelInterpolation interpolation, int axis, VoxelBox& box) {
+  const double offset = interpolation == VoxelInterpolation::nearest ? 0.5 : 0.0;
+  constexpr double far = 1073741824.0;
+  const auto voxel = [&](double p) {
+    return static_cast<std::int32_t>(std::floor(std::clamp(std::isnan(p) ? far : p, -far, far)));
+  };
+  const int before = interpolation == VoxelInterpolation::tricubic ? 1 : 0;
+  const int behind = interpolation == VoxelInterpolation::nearest ? 0 : before + 1;
+  box.least[axis] = voxel(least + offset) - before;
+  box.greatest[axis] = voxel(greatest + offset) + behind;
+}
+
 /// The voxels that lookups in the box of the file's space read.
 VoxelBox voxelsOf(const double* fileToIndex, VoxelInterpolation interpolation, const std::array<double, 3>& lower,
                   const std::array<double, 3>& upper) {
@@ -27,15 +40,7 @@ VoxelBox voxelsOf(const double* fileToIndex, VoxelInterpolation interpolation, c
       size += std::max(std::abs(a), std::abs(b));
     }
     const double slack = 1e-14 * size;  // the sum's own rounding
-    const double offset = interpolation == VoxelInterpolation::nearest ? 0.5 : 0.0;
-    constexpr double far = 1073741824.0;
-    const auto voxel = [&](double p) {
-      return static_cast<std::int32_t>(std::floor(std::clamp(std::isnan(p) ? far : p, -far, far)));
-    };
-    const int before = interpolation == VoxelInterpolation::tricubic ? 1 : 0;
-    const int behind = interpolation == VoxelInterpolation::nearest ? 0 : before + 1;
-    box.least[r] = voxel(least + offset - slack) - before;
-    box.greatest[r] = voxel(greatest + offset + slack) + behind;
+    readAround(least - slack, greatest + slack, interpolation, r, box);
   }
   return box;
 }
@@ -134,6 +139,23 @@ VoxelRange findRange(const Directory& directory, const double* fileToIndex, Voxe
   // A point that is no number, or infinite, reads background.
   for (std::size_t r = 0; r < 3; ++r) {
     if (!std::isfinite(lower[r]) || !std::isfinite(upper[r]))
+      values = directory.total[static_cast<std::size_t>(channel)];
+  }
+  return widened(values, interpolation);
+}
+
+VoxelRange findRange(const Directory& directory, const VoxelMap& map, VoxelInterpolation interpolation,
+                     const std::array<double, 3>& lower, const std::array<double, 3>& upper, int channel) {
+  std::array<double, 3> least, greatest;
+  // Boxes that reach behind the eye, or are no boxes, may read anything.
+  if (!map.indexBox(lower, upper, least, greatest))
+    return widened(directory.total[static_cast<std::size_t>(channel)], interpolation);
+  VoxelBox box;
+  for (int r = 0; r < 3; ++r)
+    readAround(least[static_cast<std::size_t>(r)], greatest[static_cast<std::size_t>(r)], interpolation, r, box);
+  ValueRange values = Query(directory, box, channel).run();
+  for (std::size_t r = 0; r < 3; ++r) {
+    if (!std::isfinite(least[r]) || !std::isfinite(greatest[r]))
       values = directory.total[static_cast<std::size_t>(channel)];
   }
   return widened(values, interpolation);

@@ -39,7 +39,14 @@ class ScalarLookup {
     const double p[3] = {static_cast<double>(a.x[i]), static_cast<double>(a.y[i]), static_cast<double>(a.z[i])};
     for (int r = 0; r < 3; ++r) {
       const double* m = a.fileToIndex + 4 * r;
-      double q = m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + (m[3] + offset);
+      double q = m[0] * p[0] + m[1] * p[1] + m[2] * p[2];
+      if (a.divisors == nullptr) {
+        q += m[3] + offset;
+      } else {
+        const double* w = a.divisors + 4 * r;
+        const double divisor = w[0] * p[0] + w[1] * p[1] + w[2] * p[2] + w[3];
+        q = divisor > 0 ? (q + m[3]) / divisor + offset : far;
+      }
       q = q < far ? q : far;
       q = q > -far ? q : -far;
       const double below = std::floor(q);

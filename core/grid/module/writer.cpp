@@ -29,6 +29,29 @@ openvdb::GridBase::Ptr makeGrid(const NewGrid& source) {
   return grid;
 }
 
+/// OpenVDB multiplies row vectors.
+openvdb::math::Mat4d transposed(const std::array<double, 16>& matrix) {
+  openvdb::math::Mat4d map;
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c) map(c, r) = matrix[static_cast<std::size_t>(4 * r + c)];
+  return map;
+}
+
+void setMap(openvdb::GridBase& grid, const NewGrid& source) {
+  using openvdb::math::Transform;
+  if (!source.frustum) {
+    grid.setTransform(Transform::createLinearTransform(transposed(source.indexToFile)));
+  } else if (const auto& matrix = source.frustum->fileToIndex) {
+    grid.insertMeta(projectionName, openvdb::Mat4DMetadata(transposed(*matrix)));
+  } else {
+    const NewFrustum& f = *source.frustum;
+    const openvdb::BBoxd box({f.least[0], f.least[1], f.least[2]}, {f.greatest[0], f.greatest[1], f.greatest[2]});
+    const openvdb::math::MapBase::Ptr second(new openvdb::math::AffineMap(transposed(f.secondToFile)));
+    grid.setTransform(Transform::Ptr(new Transform(
+        openvdb::math::MapBase::Ptr(new openvdb::math::NonlinearFrustumMap(box, f.taper, f.depth, second)))));
+  }
+}
+
 }  // namespace
 
 std::string write(const std::string& path, std::span<const NewGrid> grids, bool asHalf) {
@@ -37,10 +60,7 @@ std::string write(const std::string& path, std::span<const NewGrid> grids, bool 
     openvdb::GridPtrVec written;
     for (const NewGrid& source : grids) {
       auto grid = source.channels == 3 ? makeGrid<openvdb::Vec3STree>(source) : makeGrid<openvdb::FloatTree>(source);
-      openvdb::math::Mat4d map;
-      for (int r = 0; r < 4; ++r)
-        for (int c = 0; c < 4; ++c) map(c, r) = source.indexToFile[static_cast<std::size_t>(4 * r + c)];
-      grid->setTransform(openvdb::math::Transform::createLinearTransform(map));
+      setMap(*grid, source);
       grid->setName(source.name);
       if (source.isFog) grid->setGridClass(openvdb::GRID_FOG_VOLUME);
       grid->setSaveFloatAsHalf(asHalf);

@@ -19,8 +19,9 @@ class GridVolumes : public testing::Test {
 
   Result<std::unique_ptr<const accel::VolumeShape>> make(const std::string& file, const std::string& grid) {
     volume_.type = "grid";
-    volume_.parameters = {{"filename", file}, {"grid", grid},  {"interpolation", std::string("tricubic")},
-                          {"frame", frame_},  {"blend", true}, {"frame_offset", -1.0f}};
+    volume_.parameters = {{"filename", file},  {"grid", grid},  {"interpolation", std::string("tricubic")},
+                          {"frame", frame_},   {"blend", true}, {"frame_offset", -1.0f},
+                          {"overlay_cells", 0}};
     volume_.origin.location = {"scene.xml", 7, 5};
     const std::vector<std::filesystem::path> folders = {AEROSOL_SOURCE_DIR "/tests/language/textures", folder_};
     services_ = makeServices({folders, 16});
