@@ -29,3 +29,13 @@ foreach(source ${tableSources})
   target_link_libraries(${name} PRIVATE test_support fmt::fmt)
   add_dependencies(${name} aerosol_support)
 endforeach()
+
+# tests/bench/equal_time: all methods of sampling against each other. A test runs the smallest size of it.
+file(GLOB equalTimeSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/equal_time/*.cpp")
+add_executable(equal_time ${equalTimeSources})
+target_link_libraries(equal_time PRIVATE test_support fmt::fmt)
+add_dependencies(equal_time aerosol_support)
+find_program(AEROSOL_BASH bash REQUIRED)
+add_test(NAME bench.equal_time COMMAND "${AEROSOL_BASH}" "${CMAKE_SOURCE_DIR}/tests/bench/equal_time/smoke_test.sh"
+                                       $<TARGET_FILE:equal_time>)
+set_tests_properties(bench.equal_time PROPERTIES LABELS bench TIMEOUT 600)

@@ -55,6 +55,7 @@ struct RenderArguments {
   std::optional<scene::DistanceSampling> distance;
   std::optional<scene::TransmittanceSampling> transmittance;
   bool noEquiangular = false;
+  std::string plan;  ///< A file that says how media are sampled; empty: none.
   std::optional<float> stepScale;
   std::optional<SampleRange> samples;  ///< A part of the samples; the image is joined later.
   std::vector<int> frames;             ///< In this order; empty: the scene is one image.

@@ -44,6 +44,7 @@ std::string identityOf(const RenderArguments& arguments, const scene::SceneDescr
   for (const std::string& change : arguments.overrides) hash.add(change);
   addSorted(hash, arguments.without);
   hash.add(static_cast<std::uint64_t>(description.sampler.seed));
+  hash.add(render::toText(scene.samplingPlan));
   hash.add(arguments.transmittance ? 1 + static_cast<std::uint64_t>(*arguments.transmittance) : 0);
   hash.add(static_cast<std::uint64_t>(arguments.noEquiangular));
   hash.add(arguments.distance ? 1 + static_cast<std::uint64_t>(*arguments.distance) : 0);

@@ -8,6 +8,7 @@
 
 #include "core/app/plan/effects.h"
 #include "core/app/registered_types.h"
+#include "core/app/sampling_plan_file.h"
 #include "core/lang/native.h"
 #include "core/scene/loader.h"
 #include "plugins/registration.h"
@@ -73,6 +74,11 @@ bool SceneSession::prepare() {
   tellWarnings(warnings);
   if (!toolchain) return accept(toolchain.errors());
   toolchain_ = std::move(*toolchain);
+  if (!arguments_.plan.empty()) {
+    auto plan = readSamplingPlan(arguments_.plan);
+    if (!plan) return accept(plan.errors());
+    plan_ = std::move(*plan);
+  }
   scene_ = prepareVariant(*description_);
   times_.prepare = secondsSince(start);
   return scene_ != nullptr;
@@ -90,6 +96,7 @@ std::unique_ptr<const render::PreparedScene> SceneSession::prepareVariant(const 
   options.laneCounters = arguments_.countLanes;
   options.textureMemory_MB = arguments_.textureMemory_MB;
   options.threads = threadCount();
+  options.plan = plan_;
   Diagnostics warnings;
   auto prepared = render::prepare(description, registry_, options, warnings);
   if (!scene_) tellWarnings(warnings);

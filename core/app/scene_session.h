@@ -52,6 +52,7 @@ class SceneSession {
   render::Registry registry_;
   std::optional<scene::SceneDescription> description_;
   std::optional<Toolchain> toolchain_;
+  std::optional<render::SamplingPlan> plan_;
   std::unique_ptr<const render::PreparedScene> scene_;
   PreparationTimes times_;
   Diagnostics warnings_;

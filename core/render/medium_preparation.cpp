@@ -130,7 +130,7 @@ bool mayScatter(const volume::Medium& medium) {
          std::ranges::any_of(medium.tree->ranges, scatters);
 }
 
-/// Emission is found by collisions: where extinction is small, so would be their number.
+/// Is there emission that is worth to be looked for?
 bool mayEmit(const volume::Medium& medium) {
   return medium.tree &&
          std::ranges::any_of(medium.tree->ranges, [](const volume::BoundRanges& r) { return r.emissionHigh > 0; });
@@ -148,6 +148,8 @@ TransmittanceMethod transmittanceMethod(scene::TransmittanceSampling wanted, boo
       return TransmittanceMethod::twoCombs;
     case scene::TransmittanceSampling::unbiased:
       return TransmittanceMethod::unbiasedMarching;
+    case scene::TransmittanceSampling::delta:
+      return TransmittanceMethod::deltaTracking;
   }
   return tracks ? TransmittanceMethod::ratioTracking : TransmittanceMethod::marching;
 }
@@ -157,6 +159,8 @@ std::string describeDistances(const volume::Medium& medium, bool isAsked) {
   switch (medium.method) {
     case DistanceMethod::closedForm:
       return "closed form: its coefficients are constant";
+    case DistanceMethod::analytic:
+      return fmt::format("closed form, voxel by voxel: its coefficients are voxels times constants{}", asked);
     case DistanceMethod::marching:
       if (isAsked) return fmt::format("ray marching by {:.4g}{}", medium.stepSize, asked);
       return fmt::format("ray marching by {:.4g}: no bound on its extinction is {}", medium.stepSize,
@@ -166,7 +170,8 @@ std::string describeDistances(const volume::Medium& medium, bool isAsked) {
   }
   constexpr std::array provenances{"proven", "declared", "estimated"};
   const char* const provenance = provenances[static_cast<std::size_t>(medium.bound->provenance)];
-  return fmt::format("null scattering{}: extinction is at most {:.4g}, {}{}{}",
+  return fmt::format("{}{}: extinction is at most {:.4g}, {}{}{}",
+                     medium.isAnalogue ? "analogue delta tracking" : "null scattering",
                      medium.relaxesBound ? fmt::format(" with a collision each {:.4g} at least", medium.stepSize) : "",
                      medium.bound->value, provenance, medium.tree ? " place by place" : "", asked);
 }
@@ -174,6 +179,7 @@ std::string describeDistances(const volume::Medium& medium, bool isAsked) {
 std::string describeTransmittance(const volume::Medium& medium) {
   switch (medium.transmittance) {
     case TransmittanceMethod::closedForm:
+    case TransmittanceMethod::analytic:
       return "";
     case TransmittanceMethod::marching:
       return medium.method == DistanceMethod::marching ? "" : "; marching to lights";
@@ -181,6 +187,8 @@ std::string describeTransmittance(const volume::Medium& medium) {
       return medium.method == DistanceMethod::nullScattering ? "" : "; ratio tracking to lights";
     case TransmittanceMethod::twoCombs:
       return "; two combs to lights";
+    case TransmittanceMethod::deltaTracking:
+      return "; delta tracking to lights";
     case TransmittanceMethod::unbiasedMarching:
       break;
   }
@@ -207,7 +215,11 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   const shading::Family& family = scene.shading.family(shader);
   const shading::Instance& instance = family.instances[shader.index];
   const float defaultStep = std::isfinite(place.extent) && place.extent > 0 ? place.extent / 100 : 1.0f;
-  medium.stepSize = sampling.stepSize.value_or(defaultStep) * integrator.stepScale * place.stepScale;
+  const float step = sampling.stepSize.value_or(defaultStep);
+  medium.stepSize = step * integrator.stepScale * place.stepScale;
+  const auto keepChoice = [&] {
+    scene.samplingPlan[medium.index] = choiceOf(scene.mediumNames[medium.index], medium, step);
+  };
   MediumRanges ranges(scene, medium, threads);
   medium.constant = constantOf(scene, medium, ranges, place);
   if (medium.constant) {
@@ -215,6 +227,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
     medium.transmittance = TransmittanceMethod::closedForm;
     medium.mayScatter = mayScatter(medium);
     scene.samplingReasons[medium.index] = describeDistances(medium, false);
+    keepChoice();
     return errors;
   }
   std::optional<float> declared = declaredBound(family, instance);
@@ -226,12 +239,18 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   using scene::TransmittanceSampling;
   const DistanceSampling wanted = sampling.distance.value_or(integrator.distance);
   const TransmittanceSampling wantedToLights = sampling.transmittance.value_or(integrator.transmittance);
-  const bool wantsTracking = wanted == DistanceSampling::nullScattering || wanted == DistanceSampling::relaxed;
-  const bool needsBound = wantsTracking || wantedToLights == TransmittanceSampling::ratio;
-  if (wanted == DistanceSampling::analytic) {
+  const bool isAnalogue = wanted == DistanceSampling::delta;
+  const bool wantsTracking =
+      isAnalogue || wanted == DistanceSampling::nullScattering || wanted == DistanceSampling::relaxed;
+  const bool tracksToLights =
+      wantedToLights == TransmittanceSampling::ratio || wantedToLights == TransmittanceSampling::delta;
+  const bool needsBound = wantsTracking || tracksToLights;
+  const bool hasVoxels = medium.voxels && ranges.mayLeaveOut();
+  if (wanted == DistanceSampling::analytic && !hasVoxels) {
     errors.error(
         scene.mediumLocations[medium.index],
-        fmt::format("distances in '{}' have no closed form: its coefficients vary", scene.mediumNames[medium.index]),
+        fmt::format("distances in '{}' have no closed form: its coefficients vary, and are not voxels times constants",
+                    scene.mediumNames[medium.index]),
         {"choose distance 'auto', 'marching' or 'null' for this medium"});
     return errors;
   }
@@ -247,20 +266,34 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
                .budget = budget});
   }
   if (wantsTracking && !medium.bound) {
-    refuseWithoutBound(scene, medium, "null scattering", "distance", errors);
-  } else if (wantedToLights == TransmittanceSampling::ratio && !medium.bound) {
-    refuseWithoutBound(scene, medium, "ratio tracking", "transmittance", errors);
+    refuseWithoutBound(scene, medium, isAnalogue ? "delta tracking" : "null scattering", "distance", errors);
+  } else if (tracksToLights && !medium.bound) {
+    const bool isRatio = wantedToLights == TransmittanceSampling::ratio;
+    refuseWithoutBound(scene, medium, isRatio ? "ratio tracking" : "delta tracking", "transmittance", errors);
   }
   medium.mayScatter = mayScatter(medium);
   const bool isKnown = medium.bound && medium.bound->provenance != volume::Provenance::estimated;
-  const bool tracks = wantsTracking || (wanted == DistanceSampling::automatic && isKnown);
-  medium.relaxesBound =
-      wanted == DistanceSampling::relaxed || (wanted == DistanceSampling::automatic && tracks && mayEmit(medium));
-  medium.method = tracks ? DistanceMethod::nullScattering : DistanceMethod::marching;
-  medium.transmittance = transmittanceMethod(wantedToLights, tracks);
+  const bool mayChoose = wanted == DistanceSampling::automatic || wanted == DistanceSampling::analytic;
+  const bool tracks = wantsTracking || (mayChoose && isKnown);
+  medium.relaxesBound = wanted == DistanceSampling::relaxed;
+  medium.integratesEmission = tracks && !isAnalogue && mayEmit(medium);
+  medium.besideOthers = tracks ? DistanceMethod::nullScattering : DistanceMethod::marching;
+  const bool isAnalytic = hasVoxels && (wanted == DistanceSampling::automatic || wanted == DistanceSampling::analytic);
+  medium.method = isAnalytic ? DistanceMethod::analytic : medium.besideOthers;
+  medium.isAnalogue = isAnalogue;
+  medium.transmittance = isAnalytic && wantedToLights == TransmittanceSampling::automatic
+                             ? TransmittanceMethod::analytic
+                             : transmittanceMethod(wantedToLights, tracks);
+  if (isAnalogue && medium.tree) {
+    // One bound for all of the medium, the least that is known: nothing else of the tree is used.
+    medium.tree = nullptr;
+    scene.trees[medium.index].reset();
+    scene.treeStatistics[medium.index] = {};
+  }
   if (errors.hasErrors()) return errors;
   scene.samplingReasons[medium.index] =
       describeDistances(medium, wanted != DistanceSampling::automatic) + describeTransmittance(medium);
+  keepChoice();
   return errors;
 }
 

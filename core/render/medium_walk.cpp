@@ -6,6 +6,7 @@
 #include "core/render/nesting.h"
 #include "core/render/prepared_scene.h"
 #include "core/render/surface_closures.h"
+#include "core/volume/trackers/analytic.h"
 #include "core/volume/trackers/homogeneous.h"
 #include "core/volume/trackers/null_scattering.h"
 #include "core/volume/trackers/ray_marching.h"
@@ -39,10 +40,12 @@ namespace {
 
 /// Null scattering serves a segment when every medium has a bound; one marching medium makes the whole segment march.
 DistanceMethod methodOf(const Segment& segment) {
+  if (segment.media.size() == 1) return segment.media.front()->method;
   DistanceMethod method = DistanceMethod::closedForm;
   for (const Medium* medium : segment.media) {
-    if (medium->method == DistanceMethod::marching) return DistanceMethod::marching;
-    if (medium->method == DistanceMethod::nullScattering) method = DistanceMethod::nullScattering;
+    const DistanceMethod own = medium->method == DistanceMethod::analytic ? medium->besideOthers : medium->method;
+    if (own == DistanceMethod::marching) return DistanceMethod::marching;
+    if (own == DistanceMethod::nullScattering) method = DistanceMethod::nullScattering;
   }
   return method;
 }
@@ -129,6 +132,12 @@ Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color thr
         const volume::HomogeneousSegment homogeneous(segment, throughput);
         if (tracks) part = homogeneous.sample(random);
         if (finds) homogeneous.find(*given, random);
+        break;
+      }
+      case DistanceMethod::analytic: {
+        const volume::AnalyticSegment voxels(segment, ray, throughput);
+        if (tracks) part = voxels.sample(random);
+        if (finds) voxels.find(*given, random);
         break;
       }
       case DistanceMethod::marching:

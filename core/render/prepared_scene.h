@@ -15,6 +15,7 @@
 #include "core/render/linked_lights.h"
 #include "core/render/message_log.h"
 #include "core/render/sample_stream.h"
+#include "core/render/sampling_plan.h"
 #include "core/render/volume_look.h"
 #include "core/shading/attributes.h"
 #include "core/shading/kernel_host.h"
@@ -24,6 +25,7 @@
 #include "core/volume/medium.h"
 #include "core/volume/medium_stack.h"
 #include "core/volume/phase.h"
+#include "core/volume/trackers/voxel_medium.h"
 
 namespace aerosol::render {
 
@@ -69,15 +71,17 @@ struct PreparedScene {
   std::vector<std::string> mediumNames;                         ///< Shader names by medium index.
   std::vector<std::optional<MediumVelocity>> velocities;        ///< By medium index; empty when no medium has one.
   std::vector<std::unique_ptr<const volume::BoundTree>> trees;  ///< By medium index; null where a medium has none.
-  std::vector<volume::BoundStatistics> treeStatistics;          ///< By medium index.
-  std::vector<std::string> samplingReasons;                     ///< By medium index: the methods, and why.
-  std::vector<std::vector<const Closure*>> siteClosures;        ///< By family, then closure site; null: none.
-  std::vector<PreparedObject> objects;                          ///< By accel::ObjectId.
-  std::vector<const volume::Medium*> volumes;                   ///< By accel::VolumeId.
-  std::vector<const volume::Medium*> cameraVolumes;             ///< The same as rays from the camera see them,
-  std::vector<const volume::Medium*> shadowVolumes;             ///< and as shadow rays do.
-  std::vector<std::optional<VolumeLook>> looks;                 ///< By medium index; empty when no volume has one.
-  std::vector<std::unique_ptr<LinkedLights>> linkedLights;      ///< Of media that not all lights light.
+  std::vector<std::unique_ptr<const volume::VoxelMedium>> voxelMedia;  ///< By medium index; null where there are none.
+  std::vector<volume::BoundStatistics> treeStatistics;                 ///< By medium index.
+  SamplingPlan samplingPlan;                                           ///< The methods of all media.
+  std::vector<std::string> samplingReasons;                            ///< By medium index: the methods, and why.
+  std::vector<std::vector<const Closure*>> siteClosures;               ///< By family, then closure site; null: none.
+  std::vector<PreparedObject> objects;                                 ///< By accel::ObjectId.
+  std::vector<const volume::Medium*> volumes;                          ///< By accel::VolumeId.
+  std::vector<const volume::Medium*> cameraVolumes;                    ///< The same as rays from the camera see them,
+  std::vector<const volume::Medium*> shadowVolumes;                    ///< and as shadow rays do.
+  std::vector<std::optional<VolumeLook>> looks;             ///< By medium index; empty when no volume has one.
+  std::vector<std::unique_ptr<LinkedLights>> linkedLights;  ///< Of media that not all lights light.
   Shutter shutter;
   bool changes = false;  ///< Something changes while the shutter is open: every path has a time of its own.
   const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.

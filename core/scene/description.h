@@ -85,7 +85,8 @@ enum class DistanceSampling : std::uint8_t {
   marching,        ///< Ray marching.
   nullScattering,  ///< Delta tracking against a bound.
   relaxed,         ///< The same against max(bound, 1 / step size): more steps, less noise in thin media.
-  analytic         ///< Closed forms; an error where there is none.
+  analytic,        ///< Closed forms; an error where there is none.
+  delta            ///< Analogue delta tracking under one bound for the whole medium: the yardstick.
 };
 
 /// How the transmittance of a medium to a light is estimated.
@@ -94,7 +95,8 @@ enum class TransmittanceSampling : std::uint8_t {
   marching,   ///< Ray marching.
   ratio,      ///< Residual ratio tracking against a bound.
   twoCombs,   ///< Two jittered marches of twice the step.
-  unbiased    ///< Unbiased ray marching.
+  unbiased,   ///< Unbiased ray marching.
+  delta       ///< Delta tracking: all of the light or none.
 };
 
 /// What a medium or volume says about its sampling; what it does not say is decided later.

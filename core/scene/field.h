@@ -21,11 +21,11 @@ struct Words;
 
 template <>
 struct Words<DistanceSampling> {
-  static constexpr std::array words = {"auto", "marching", "null", "relaxed", "analytic"};
+  static constexpr std::array words = {"auto", "marching", "null", "relaxed", "analytic", "delta"};
 };
 template <>
 struct Words<TransmittanceSampling> {
-  static constexpr std::array words = {"auto", "marching", "ratio", "two_combs", "unbiased"};
+  static constexpr std::array words = {"auto", "marching", "ratio", "two_combs", "unbiased", "delta"};
 };
 template <>
 struct Words<OverlapChoice> {

@@ -176,7 +176,10 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
              field<&Integrator::lowerPriorityWins>(
                  {.name = "lower_priority_wins",
                   .doc = "where media inside of surfaces overlap, the lower priority rules, not the higher"}),
-             field<&Integrator::distance>({.name = "distance", .doc = "distance sampling of media that do not choose"}),
+             field<&Integrator::distance>(
+                 {.name = "distance",
+                  .doc = "distance sampling of media that do not choose; delta is the plainest method, to compare "
+                         "with: analogue delta tracking under one bound for the whole medium"}),
              field<&Integrator::overlap>(
                  {.name = "overlap",
                   .doc = "how volume primitives along a ray are found: all of them, then sorted and split; or by "

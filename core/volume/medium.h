@@ -18,37 +18,45 @@ namespace aerosol::volume {
 
 enum class DistanceMethod : std::uint8_t {
   closedForm,     ///< Constant coefficients.
+  analytic,       ///< Voxels times constants, solved cell by cell.
   marching,       ///< Ray marching: biased, no noise of its own in transmittance.
   nullScattering  ///< Delta and ratio tracking under a bound: unbiased.
 };
 
 enum class TransmittanceMethod : std::uint8_t {
-  closedForm,       ///< Constant coefficients.
-  marching,         ///< Ray marching.
-  ratioTracking,    ///< Residual ratio tracking under a bound: unbiased.
-  twoCombs,         ///< Two jittered marches of twice the step: a smaller bias.
-  unbiasedMarching  ///< A power series of jittered marches: unbiased.
+  closedForm,        ///< Constant coefficients.
+  analytic,          ///< Voxels times constants, solved cell by cell.
+  marching,          ///< Ray marching.
+  ratioTracking,     ///< Residual ratio tracking under a bound: unbiased.
+  twoCombs,          ///< Two jittered marches of twice the step: a smaller bias.
+  unbiasedMarching,  ///< A power series of jittered marches: unbiased.
+  deltaTracking      ///< All of the light or none: unbiased.
 };
 
 /// Extinction below this counts as none: 1 / pdf would not fit into a float, and no scene is 1e30 units long.
 inline constexpr float negligibleExtinction = 1e-30f;
 
 class PhaseFunction;
+struct VoxelMedium;
 
 /// A medium placed in the scene. Const after preparation.
 struct Medium {
   std::uint32_t index = 0;  ///< The evaluator's key.
   DistanceMethod method = DistanceMethod::marching;
+  DistanceMethod besideOthers = DistanceMethod::marching;  ///< Where media overlap, in place of `analytic`.
   TransmittanceMethod transmittance = TransmittanceMethod::marching;
   std::optional<Coefficients> constant;  ///< Set when the compiled shader reads nothing that varies.
   std::optional<ExtinctionBound> bound;  ///< On the largest channel of extinction, everywhere in the medium.
   const MovingTransform<World, Object>* motion = nullptr;  ///< Of its object space, where that moves.
+  const VoxelMedium* voxels = nullptr;                     ///< Set when the coefficients are voxels times constants.
   const BoundTree* tree = nullptr;  ///< Bounds place by place, if there are any; then `bound` is the largest.
   float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
   bool mayScatter = true;                                   ///< False where it is known that it nowhere does.
   bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
   bool isHoldout = false;                ///< A path from the camera that scatters here ends, as if nothing was there.
   std::uint32_t lightLinks = 0;          ///< Which lights light it (the renderer's key); 0: all.
+  bool integratesEmission = false;       ///< Null scattering looks for emission once a step, not at its collisions.
+  bool isAnalogue = false;               ///< Absorption is a random event of null scattering as well.
   const PhaseFunction* phase = nullptr;  ///< Of all lobes, whatever their anisotropy; null: Henyey–Greenstein with it.
 
   /// The medium as one leaf, without its tree. A bound of 0 that nobody proved is not taken at its word: emission, and

@@ -48,6 +48,9 @@ class SegmentWalk {
   bool isKnown() const { return isKnown_; }
   /// Sum of the media's rates of tentative collisions.
   float rate() const { return rate_; }
+  /// Distance of the places at which emission is looked for; infinite where there is none, and where collisions, which
+  /// find it as well, come more often.
+  float emissionStep() const { return emissionStep_; }
   /// Sum of the coefficients that are the same on the whole stretch.
   const CoefficientSum& known() const { return known_; }
   /// Goes on to the stretch behind `end()`.
@@ -97,6 +100,7 @@ class SegmentWalk {
     begin_ = end_;
     end_ = last_;
     rate_ = 0;
+    emissionStep_ = std::numeric_limits<float>::infinity();
     isKnown_ = true;
     known_ = {};
     for (std::size_t i = 0; i < media_.size(); ++i) {
@@ -108,15 +112,23 @@ class SegmentWalk {
       } else {
         isKnown_ = false;
         rate_ += media_[i]->collisionRate(walk.leaf());
+        if (media_[i]->integratesEmission) lookForEmission(*media_[i], walk);
       }
     }
     if (!(rate_ > negligibleExtinction)) rate_ = 0;
+    if (!(rate_ * emissionStep_ < 1)) emissionStep_ = std::numeric_limits<float>::infinity();
+  }
+
+  void lookForEmission(const Medium& medium, const BoundWalk& walk) {
+    const BoundRanges* const ranges = walk.ranges();
+    const bool mayEmit = !ranges || ranges->emissionHigh > 0 || ranges->emissionLow < 0;
+    if (mayEmit) emissionStep_ = std::min(emissionStep_, medium.stepSize);
   }
 
   std::span<const Medium* const> media_;
   double last_;
   double begin_ = 0, end_ = 0;
-  float rate_ = 0;
+  float rate_ = 0, emissionStep_ = std::numeric_limits<float>::infinity();
   bool isKnown_ = true;
   CoefficientSum known_;
   BoundWalk only_;

@@ -95,7 +95,8 @@ constexpr std::array methods{
     Method{"marchingAndRatio", R"(<string name="distance" value="marching"/><float name="step_size" value="0.02"/>
         <string name="transmittance" value="ratio"/>)"},
     Method{"nullAndTwoCombs", R"(<string name="distance" value="null"/><float name="step_size" value="0.05"/>
-        <string name="transmittance" value="two_combs"/>)"}};
+        <string name="transmittance" value="two_combs"/>)"},
+    Method{"delta", R"(<string name="distance" value="delta"/><string name="transmittance" value="delta"/>)"}};
 
 class LightsInFog : public ::testing::TestWithParam<Method> {};
 

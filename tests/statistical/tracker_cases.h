@@ -164,12 +164,21 @@ class TrackerSetup {
 };
 
 /// All distance trackers. A new one is tested by a line here.
-enum class Tracker : std::uint8_t { closedForm, marching, nullScattering, relaxedNullScattering };
-inline constexpr std::array allTrackers{Tracker::closedForm, Tracker::marching, Tracker::nullScattering,
-                                        Tracker::relaxedNullScattering};
+enum class Tracker : std::uint8_t {
+  closedForm,
+  marching,
+  nullScattering,
+  relaxedNullScattering,
+  analogue,
+  lineEmission
+};
+inline constexpr std::array allTrackers{Tracker::closedForm,     Tracker::marching,
+                                        Tracker::nullScattering, Tracker::relaxedNullScattering,
+                                        Tracker::analogue,       Tracker::lineEmission};
 
 inline const char* name(Tracker tracker) {
-  constexpr std::array names{"closedForm", "marching", "nullScattering", "relaxedNullScattering"};
+  constexpr std::array names{"closedForm", "marching",    "nullScattering", "relaxedNullScattering",
+                             "analogue",   "lineEmission"};
   return names[static_cast<std::size_t>(tracker)];
 }
 
@@ -178,6 +187,9 @@ inline std::ostream& operator<<(std::ostream& out, Tracker tracker) { return out
 inline void prepare(Tracker tracker, TrackerSetup& setup, const TrackerCase& c) {
   for (std::size_t i = 0; i < c.media.size(); ++i) {
     setup.medium(i).relaxesBound = tracker == Tracker::relaxedNullScattering;
+    setup.medium(i).isAnalogue = tracker == Tracker::analogue;
+    setup.medium(i).integratesEmission = tracker == Tracker::lineEmission;
+    if (tracker == Tracker::lineEmission) setup.medium(i).stepSize = static_cast<float>((c.t1 - c.t0) / 8);
   }
 }
 
@@ -194,14 +206,20 @@ DistanceSample sampleDistance(Tracker tracker, TrackerSetup& setup, const Tracke
     }
     case Tracker::nullScattering:
     case Tracker::relaxedNullScattering:
+    case Tracker::analogue:
+    case Tracker::lineEmission:
       break;
   }
   return setup.evaluator().finish(
       volume::sampleByNullScattering(setup.evaluator(), setup.ray(), setup.segment(), c.throughput, random));
 }
 
-/// The closed form serves constant media alone.
-inline bool serves(Tracker tracker, const TrackerCase& c) { return tracker != Tracker::closedForm || c.isConstant(); }
+/// The closed form serves constant media alone; how emission is met makes no difference where there is none.
+inline bool serves(Tracker tracker, const TrackerCase& c) {
+  const bool emits = c.name == "linearEmitting" || c.name == "absorbing" || c.name == "constantChromatic" ||
+                     c.name == "chromatic" || c.name == "emissionWithoutExtinction" || c.name == "threeVarying";
+  return tracker == Tracker::lineEmission ? emits : tracker != Tracker::closedForm || c.isConstant();
+}
 
 /// The integrals of a case by quadrature: Gauss–Legendre on cells that are fine beside everything in the cases.
 class Reference {

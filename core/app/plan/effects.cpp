@@ -215,13 +215,14 @@ class EffectList {
   }
 
   void addMedia() {
-    Names closed, null, marched, scattering, emitting, chromatic, relaxed, trees;
+    Names closed, voxels, null, marched, scattering, emitting, chromatic, relaxed, trees;
     for (std::size_t i = 0; i < scene_.media.size(); ++i) {
       const volume::Medium& medium = scene_.media[i];
       const std::string& name = scene_.mediumNames[i];
       const SourceLocation& place = scene_.mediumLocations[i];
       const DistanceMethod method = medium.method;
       (method == DistanceMethod::closedForm ? closed
+       : method == DistanceMethod::analytic ? voxels
        : method == DistanceMethod::marching ? marched
                                             : null)
           .add(name, place);
@@ -243,6 +244,7 @@ class EffectList {
     add("heterogeneity", varying, hasMedia ? "all media are constant: no shader is run along rays" : none, points,
         shading);
     add("constant-media", closed, hasMedia ? "no medium is constant" : none);
+    add("analytic-voxels", voxels, hasMedia ? "no medium is voxels times constants" : none);
     add("null-scattering", null, hasMedia ? "no medium is sampled so" : none);
     add("ray-marching", marched, hasMedia ? "no medium is sampled so" : none);
     add("bound-trees", trees, hasMedia ? "no medium varies below a bound" : none);

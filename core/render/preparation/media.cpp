@@ -9,6 +9,7 @@
 
 #include "core/render/medium_phase.h"
 #include "core/render/preparation/velocities.h"
+#include "core/render/voxel_media.h"
 
 namespace aerosol::render {
 
@@ -164,6 +165,34 @@ void placeMedia(Preparation& state) {
     state.scene->cameraMedium = placeMedium(state, *state.description.sensor.medium, scene::Placement<World, Object>());
 }
 
+namespace {
+
+/// What the plan says takes the place of what the scene says. False where it is the plan of another scene.
+bool followPlan(Preparation& state, const SamplingPlan& plan) {
+  const std::string problem = whyNotFor(plan, state.scene->mediumNames);
+  if (!problem.empty()) {
+    state.errors.error(state.description.integrator.origin.location, problem,
+                       {"make a plan of this scene, or leave it out"});
+    return false;
+  }
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    state.placements[i].sampling = plan[i].sampling.orElse(state.placements[i].sampling);
+  }
+  return true;
+}
+
+/// Fields of those media whose distances may be solved in closed form.
+void findVoxels(Preparation& state) {
+  const scene::Integrator& integrator = state.description.integrator;
+  const auto mayBeAnalytic = [&](std::uint32_t medium) {
+    const scene::DistanceSampling wanted = state.placements[medium].sampling.distance.value_or(integrator.distance);
+    return wanted == scene::DistanceSampling::automatic || wanted == scene::DistanceSampling::analytic;
+  };
+  findVoxelMedia(*state.scene, mayBeAnalytic, static_cast<std::uint64_t>(integrator.boundMegabytes) * 1000000);
+}
+
+}  // namespace
+
 void decideMedia(Preparation& state) {
   // Without bounds kernels nothing is proven, and that is all: the programs themselves have been compiled.
   static_cast<void>(state.scene->shading.compileBounds(*state.options.compiler, {state.options.target, false}));
@@ -179,7 +208,10 @@ void decideMedia(Preparation& state) {
   state.scene->trees.resize(count);
   state.scene->treeStatistics.resize(count);
   state.scene->samplingReasons.resize(count);
+  state.scene->samplingPlan.resize(count);
+  if (state.options.plan && !followPlan(state, *state.options.plan)) return;
   const scene::Integrator& integrator = state.description.integrator;
+  findVoxels(state);
   const std::uint64_t share = std::max<std::size_t>(1, count);
   const volume::BoundBudget budget{.boxes = static_cast<std::uint64_t>(integrator.boundBoxes) / share,
                                    .bytes = static_cast<std::uint64_t>(integrator.boundMegabytes) * 1000000 / share};

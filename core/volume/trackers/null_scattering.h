@@ -3,12 +3,18 @@
 // Woodcock et al. 1965; Galtier et al. 2013; Novák et al. 2014 (ratio tracking); Kutz et al. 2017 (spectral tracking,
 // eq. 25–27): tentative collisions come at the rate of the bound μ̄; each is a scattering or a null collision with
 // probabilities in proportion to |w σs| and |w σn|, w the path's throughput including the weights gathered here and
-// σn = μ̄ − σt. Absorption is never a random event: it stays in the weights. Where extinction exceeds the bound, σn is
-// negative and so is the weight: the mean stays right as long as the bound is positive, and the excess is counted.
+// σn = μ̄ − σt. Absorption stays in the weights, except in analogue media, where it is a third event with a probability
+// in proportion to |w σa|. Where extinction exceeds the bound, σn is negative and so is the weight: the mean stays
+// right as long as the bound is positive, and the excess is counted.
 //
 // The bound is piecewise constant along the ray, leaf by leaf of the media's trees (Szirmay-Kalos et al. 2011): one
 // exponential number is used up by the optical distances ∫ μ̄ of the leaves, so nothing is drawn anew at their faces.
 // Where all coefficients of a leaf are known nobody is asked.
+//
+// Emission that varies is met by the tentative collisions, w ε / μ̄ at each, or along the line: at points of a jittered
+// comb, w ε times their distance, w the weight with which the flight comes by. Its mean over all flights is the
+// transmittance, so both are unbiased; but collisions come at random, and where extinction is small seldom, while the
+// comb has the little noise of ray marching. On each stretch the one that looks more often is taken.
 #pragma once
 
 #include "core/volume/distance_sample.h"
@@ -54,13 +60,40 @@ class LogProduct {
   double exponent_ = 0;
 };
 
+/// Places at equal steps along a ray, the first one a random part of a step from its start.
+class EmissionComb {
+ public:
+  static constexpr double never = std::numeric_limits<double>::infinity();
+
+  void begin(double t0, double step, double offset) {
+    start_ = t0 + offset * step;
+    step_ = step;
+    next_ = 0;
+  }
+  void end() { step_ = never; }
+  bool isOn() const { return step_ < never; }
+  double step() const { return step_; }
+  /// The first place from `t` on that was not taken.
+  double from(double t) {
+    next_ = std::max(next_, std::ceil((t - start_) / step_));
+    return start_ + next_ * step_;
+  }
+  void take() { ++next_; }
+
+ private:
+  double start_ = 0, step_ = never, next_ = 0;
+};
+
 /// The way from one tentative collision to the next through the stretches of a segment.
 class TentativeFlight {
  public:
-  enum class Arrival : std::uint8_t { collision, stop, end };
+  enum class Arrival : std::uint8_t { collision, stop, light, end };
 
   TentativeFlight(const Segment& segment, const Ray<World>& ray, FrameStack& memory)
       : walk_(segment, ray, memory), t_(segment.t0) {}
+
+  /// Arrives at the places of the comb as well, on stretches where emission is to be looked for.
+  EmissionComb& comb() { return comb_; }
 
   /// Starts the next flight over an optical distance.
   void launch(double opticalDistance) {
@@ -69,8 +102,8 @@ class TentativeFlight {
   }
 
   /// Flies on until the flight's length is used up, the segment ends, or `stop` is reached, from where the same flight
-  /// goes on with the next call. `emission` takes the light of known media on the way, for unit weight: on each stretch
-  /// its expected value over all flights, ∫ ε exp(-μ̄ s) ds.
+  /// goes on with the next call; likewise at a place of the comb (`light`). `emission` takes the light of known media
+  /// on the way, for unit weight: on each stretch its expected value over all flights, ∫ ε exp(-μ̄ s) ds.
   Arrival advance(double stop, Color& emission) {
     for (;;) {
       const auto rate = static_cast<double>(walk_.rate());
@@ -80,13 +113,17 @@ class TentativeFlight {
       }
       isAtStart_ = false;
       const double depth = rate > 0 ? rate * length : 0;
+      const double light = placeOfComb();
+      const double halt = std::min(stop, light);
       const double collision = left_ < depth ? std::min(t_ + left_ / rate, walk_.end()) : walk_.end();
-      if (stop < collision || (stop <= collision && left_ < depth)) {
-        const double part = rate > 0 ? rate * std::max(stop - t_, 0.0) : 0;
+      if (halt < collision || (halt <= collision && left_ < depth)) {
+        const double part = rate > 0 ? rate * std::max(halt - t_, 0.0) : 0;
         left_ = std::max(left_ - part, 0.0);
         depth_ += part;
-        t_ = std::max(t_, stop);
-        return Arrival::stop;
+        t_ = std::max(t_, halt);
+        if (stop <= light) return Arrival::stop;
+        comb_.take();
+        return Arrival::light;
       }
       t_ = collision;
       if (left_ < depth) {
@@ -107,25 +144,46 @@ class TentativeFlight {
   double depth() const { return depth_; }
 
  private:
+  double placeOfComb() {
+    if (!comb_.isOn() || !(walk_.emissionStep() < std::numeric_limits<float>::infinity())) return EmissionComb::never;
+    const double place = comb_.from(t_);
+    return place < walk_.end() ? place : EmissionComb::never;
+  }
+
   SegmentWalk walk_;
+  EmissionComb comb_;
   double t_;
   double left_ = 0;
   double depth_ = 0;
   bool isAtStart_ = true;
 };
 
+/// At which emission is looked for in a segment; infinite where none of its media does so.
+inline float emissionStepOf(const Segment& segment) {
+  float step = std::numeric_limits<float>::infinity();
+  for (const Medium* medium : segment.media) {
+    if (medium->integratesEmission && !medium->constant) step = std::min(step, medium->stepSize);
+  }
+  return step;
+}
+
 /// What may happen at a place under the bound μ̄, for light of some weight.
 struct CollisionOdds {
   Color sigmaN;  ///< μ̄ − σt.
-  float scatter = 0, pass = 0;
+  float scatter = 0, pass = 0, absorb = 0;
 
-  CollisionOdds(const CoefficientSum& sum, float bound, Color weight, const ChannelMixture& channels)
+  CollisionOdds(const CoefficientSum& sum, float bound, Color weight, const ChannelMixture& channels, bool isAnalogue)
       : sigmaN(Color(bound) - sum.sigmaT),
         scatter(channels.mix(abs(weight * sum.sigmaS))),
-        pass(channels.mix(abs(weight * sigmaN))) {}
+        pass(channels.mix(abs(weight * sigmaN))) {
+    if (isAnalogue) absorb = channels.mix(abs(weight * (sum.sigmaT - sum.sigmaS)));
+  }
   bool areNone() const { return !(scatter + pass > 0); }
-  /// Both depend on the proportions of the weight alone: roulette and the chances of earlier collisions cancel.
-  float scatterProbability() const { return scatter / (scatter + pass); }
+  /// These depend on the proportions of the weight alone: roulette and the chances of earlier collisions cancel.
+  float scatterProbability() const { return scatter / (scatter + pass + absorb); }
+  float passProbability() const {
+    return absorb > 0 ? pass / (scatter + pass + absorb) : 1 - scatter / (scatter + pass);
+  }
 };
 
 /// Samples a distance in a segment, unless `tracks` is false. Every medium needs a tree, a bound or constant
@@ -140,6 +198,7 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
   TentativeFlight flight(segment, ray, evaluator.frames());
   LogProduct choices;  // Of the chain: μ̄ and the probability of what happened, for each collision.
   Color weight(1.0f);
+  const bool isAnalogue = std::ranges::any_of(segment.media, &Medium::isAnalogue);
   const auto isAsked = [&] { return given && given->concerns(segment); };
   const auto absorb = [&] {
     if (tracks) {
@@ -148,14 +207,22 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
       tracks = false;
     }
   };
+  if (tracks) {
+    const float step = emissionStepOf(segment);
+    if (step < std::numeric_limits<float>::infinity()) {
+      flight.comb().begin(segment.t0, static_cast<double>(step), static_cast<double>(random.next()));
+    }
+  }
   bool launches = true;
   for (int step = 0; tracks || isAsked();) {
+    if (!tracks) flight.comb().end();
     if (launches) flight.launch(static_cast<double>(freeFlight(random.next())));
     Color emission;
     const double stop = isAsked() && given->isIn(segment) ? given->t : std::numeric_limits<double>::infinity();
     TentativeFlight::Arrival arrival = flight.advance(stop, emission);
     if (tracks) sample.emission += weight * emission;
-    if (arrival == TentativeFlight::Arrival::collision && step++ == maximumSteps) {
+    const bool isStep = arrival == TentativeFlight::Arrival::collision || arrival == TentativeFlight::Arrival::light;
+    if (isStep && step++ == maximumSteps) {
       ++evaluator.trackerStatistics().stepLimits;
       arrival = TentativeFlight::Arrival::end;
     }
@@ -166,6 +233,7 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
       break;
     }
     const bool isCollision = arrival == TentativeFlight::Arrival::collision;
+    const bool isLight = arrival == TentativeFlight::Arrival::light;
     launches = isCollision;
 
     const SegmentWalk& walk = flight.walk();
@@ -173,38 +241,45 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
     walk.ask(evaluator, pointOn(ray, flight.t()));
     const std::span<const Coefficients> answers = co_await evaluator.answers();
     CoefficientSum sum = walk.known();
+    const bool usesComb = walk.emissionStep() < std::numeric_limits<float>::infinity();
     walk.forAnswers(answers, [&](const Medium& medium, const BoundNode& leaf, const Coefficients& c) {
       countViolation(medium, leaf, c.sigmaT, evaluator.trackerStatistics());
       sum.sigmaT += c.sigmaT;
       sum.sigmaS += c.sigmaS;
-      if (tracks && isCollision) sample.emission += weight * c.emission / bound;
+      if (medium.integratesEmission && usesComb) {
+        if (isLight) sample.emission += weight * c.emission * static_cast<float>(flight.comb().step());
+      } else if (tracks && isCollision) {
+        sample.emission += weight * c.emission / bound;
+      }
     });
+    if (isLight) continue;
 
     if (!isCollision) {
-      const CollisionOdds odds(sum, bound, given->sample.weight, channels);
+      const CollisionOdds odds(sum, bound, given->sample.weight, channels, isAnalogue);
       given->sample.t = given->t;
       given->sample.choicePdf *= odds.areNone() ? 0 : static_cast<double>(bound * odds.scatterProbability());
       walk.chooseLobe(answers, given->sample.weight, random.next(), given->sample);
       continue;
     }
     if (isAsked()) {
-      const CollisionOdds odds(sum, bound, given->sample.weight, channels);
+      const CollisionOdds odds(sum, bound, given->sample.weight, channels, isAnalogue);
       if (odds.areNone()) {
         given->end();
       } else {
-        given->pass(odds.sigmaN / bound, static_cast<double>(1 - odds.scatterProbability()));
+        given->pass(odds.sigmaN / bound, static_cast<double>(odds.passProbability()));
         Color& left = given->sample.weight;
         if (!survivesTrackerRoulette(left, channels.mix(abs(left)), random)) given->end();
       }
     }
     if (!tracks) continue;
-    const CollisionOdds odds(sum, bound, weight, channels);
+    const CollisionOdds odds(sum, bound, weight, channels, isAnalogue);
     if (odds.areNone()) {
       absorb();
       continue;
     }
-    const float scatterProbability = odds.scatterProbability();
-    if (random.next() < scatterProbability) {
+    const float scatterProbability = odds.scatterProbability(), nullProbability = odds.passProbability();
+    const float u = random.next();
+    if (u < scatterProbability) {
       sample.t = flight.t();
       choices.multiply(bound * scatterProbability);
       sample.choicePdf *= static_cast<double>(bound * scatterProbability);
@@ -213,7 +288,10 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
       tracks = false;
       continue;
     }
-    const float nullProbability = 1 - scatterProbability;
+    if (isAnalogue && !(u < scatterProbability + nullProbability)) {
+      absorb();
+      continue;
+    }
     choices.multiply(bound * nullProbability);
     sample.choicePdf *= static_cast<double>(nullProbability);
     weight *= odds.sigmaN / (bound * nullProbability);

@@ -3,16 +3,19 @@
 
 #include <array>
 
+#include "core/volume/trackers/analytic.h"
 #include "core/volume/trackers/combs.h"
+#include "core/volume/trackers/delta_tracking.h"
 #include "core/volume/trackers/null_scattering.h"
 #include "core/volume/trackers/ray_marching.h"
 
 namespace aerosol::volume {
 
 /// All of them. Tests run over this list.
-inline constexpr std::array allTransmittanceMethods{TransmittanceMethod::closedForm, TransmittanceMethod::marching,
-                                                    TransmittanceMethod::ratioTracking, TransmittanceMethod::twoCombs,
-                                                    TransmittanceMethod::unbiasedMarching};
+inline constexpr std::array allTransmittanceMethods{
+    TransmittanceMethod::closedForm,    TransmittanceMethod::analytic, TransmittanceMethod::marching,
+    TransmittanceMethod::ratioTracking, TransmittanceMethod::twoCombs, TransmittanceMethod::unbiasedMarching,
+    TransmittanceMethod::deltaTracking};
 
 /// Is the mean exact, whatever the step? (With a bound that holds.)
 inline constexpr bool isUnbiased(TransmittanceMethod method) {
@@ -25,8 +28,9 @@ Task<Color> closedTransmittance(E&, MediumSpan span) {
   co_return exp(opticalDepth(span.medium->constant->sigmaT, static_cast<float>(span.t1 - span.t0)) * -1.0f);
 }
 
-/// Of `span.medium`, which has what the method needs: constant coefficients for the closed form, a bound for ratio
-/// tracking.
+/// Of `span.medium`, which has what the method needs: constant coefficients for the closed form, voxels for the
+/// analytic one, a bound for ratio
+/// and delta tracking.
 template <Evaluator E, UniformSource R>
 Task<Color> estimateTransmittance(TransmittanceMethod method, E& evaluator, const Ray<World>& ray,
                                   const MediumSpan& span, R& random) {
@@ -40,6 +44,10 @@ Task<Color> estimateTransmittance(TransmittanceMethod method, E& evaluator, cons
       return twoCombTransmittance(evaluator, ray, span, step, random);
     case TransmittanceMethod::unbiasedMarching:
       return unbiasedMarchingTransmittance(evaluator, ray, span, step, random);
+    case TransmittanceMethod::deltaTracking:
+      return deltaTracking(evaluator, ray, span, random);
+    case TransmittanceMethod::analytic:
+      return analyticTransmittance(evaluator, ray, span);
     case TransmittanceMethod::closedForm:
       break;
   }
