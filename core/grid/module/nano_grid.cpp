@@ -87,17 +87,20 @@ std::optional<VoxelMap> frustumOf(const openvdb::GridBase& grid, std::string& pr
   return problem.empty() ? map : std::nullopt;
 }
 
-/// Of the active voxels as cells, where the map of the grid itself does not tell.
-void describeFrustum(VoxelGridInfo& info) {
+/// The size of a voxel in the middle; and where the map of the grid itself does not tell, the bounds of the active
+/// voxels as cells.
+void describeFrustum(VoxelGridInfo& info, bool hasBounds) {
   VoxelMap::Triple least, greatest, lower, upper, middle;
   for (std::size_t r = 0; r < 3; ++r) {
     least[r] = info.indexBounds[r] - 0.5;
     greatest[r] = info.indexBounds[3 + r] + 0.5;
     middle[r] = 0.5 * (least[r] + greatest[r]);
   }
-  info.frustum->fileBox(least, greatest, lower, upper);
-  std::ranges::copy(lower, info.bounds.begin());
-  std::ranges::copy(upper, info.bounds.begin() + 3);
+  if (!hasBounds) {
+    info.frustum->fileBox(least, greatest, lower, upper);
+    std::ranges::copy(lower, info.bounds.begin());
+    std::ranges::copy(upper, info.bounds.begin() + 3);
+  }
   const auto centre = info.frustum->toFile(middle);
   for (std::size_t r = 0; r < 3 && centre; ++r) {
     VoxelMap::Triple next = middle;
@@ -325,7 +328,7 @@ const GridT* as(const openvdb::GridBase& grid) {
 std::unique_ptr<VoxelGrid> makeGrid(const openvdb::GridBase& grid) {
   VoxelGridInfo info = describe(grid);
   info.frustum = frustumOf(grid, info.problem);
-  if (grid.getMetadata<openvdb::Mat4DMetadata>(projectionName) && info.frustum && !info.isEmpty) describeFrustum(info);
+  if (info.frustum && !info.isEmpty) describeFrustum(info, !grid.getMetadata<openvdb::Mat4DMetadata>(projectionName));
   if (info.problem.empty() && !info.frustum && !grid.transform().isLinear())
     info.problem = "its map is neither affine nor a frustum";
   if (!info.problem.empty()) return std::make_unique<DescribedGrid>(std::move(info));
