@@ -6,6 +6,7 @@ find_package(PkgConfig REQUIRED)
 find_package(fmt REQUIRED)
 find_package(pugixml REQUIRED)
 find_package(TBB CONFIG REQUIRED)
+find_package(ZLIB REQUIRED)
 # Debian's Imath package configuration names files of its Python package; pkg-config does not.
 pkg_check_modules(Imath REQUIRED IMPORTED_TARGET Imath)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)

@@ -24,7 +24,7 @@ aerosol_layer(shading PUBLIC core_jit PRIVATE fmt::fmt)
 aerosol_layer(volume PUBLIC core_shading PRIVATE fmt::fmt)
 
 aerosol_layer(scene PUBLIC core_base PRIVATE fmt::fmt pugixml::pugixml)
-aerosol_layer(accel PUBLIC core_base PRIVATE fmt::fmt aerosol_embree)
+aerosol_layer(accel PUBLIC core_base PRIVATE fmt::fmt aerosol_embree ZLIB::ZLIB)
 aerosol_layer(image PUBLIC core_base PRIVATE fmt::fmt EXCLUDE "module/")
 aerosol_layer(grid PUBLIC core_base PRIVATE fmt::fmt EXCLUDE "module/")
 

@@ -250,7 +250,7 @@ struct NamedValue {
   Value value;
 };
 
-enum class ShapeType : std::uint8_t { obj, ply, sphere, cube, rectangle, disk, cylinder };
+enum class ShapeType : std::uint8_t { obj, ply, serialized, sphere, cube, rectangle, disk, cylinder };
 
 /// Canonical forms, before `toWorld`: a sphere of `radius` about `center`; a cube from -1 to 1; a rectangle from -1 to
 /// 1 in x and y at z = 0; a disk of radius 1 at z = 0; the normals of these two point along +z. A cylinder of `radius`
@@ -258,13 +258,15 @@ enum class ShapeType : std::uint8_t { obj, ply, sphere, cube, rectangle, disk, c
 struct Shape {
   ShapeType type = ShapeType::sphere;
   Placement<World, Object> toWorld;
-  std::filesystem::path file;  ///< Of obj and ply: an existing file.
+  std::filesystem::path file;  ///< Of obj, ply and serialized: an existing file.
+  int shapeIndex = 0;          ///< Of serialized: which of the meshes in the file.
   Point<Object> center;
   Point<Object> end{0, 0, 1};  ///< Of a cylinder.
   float radius = 1;
   bool flipNormals = false;
   bool faceNormals = false;
-  std::optional<bool> flipTexCoords;  ///< Of obj and ply: v of the file counts from below. Not given: of obj it does.
+  std::optional<bool>
+      flipTexCoords;  ///< Of meshes from files: v of the file counts from below. Not given: of obj it does.
   Index material = 0;
   std::optional<Index> interior;  ///< Surface-defined, exclusive medium on the side away from the normal.
   std::optional<Index> exterior;
@@ -273,6 +275,8 @@ struct Shape {
   std::optional<Emitter> emitter;      ///< An area light.
   std::vector<NamedValue> attributes;  ///< For shaders that ask: "user:…".
   Origin origin;
+
+  bool isFromFile() const { return type <= ShapeType::serialized; }
 };
 
 /// How a volume's medium moves while the shutter is open: what is at x at the reference time is at x + (t - reference)

@@ -23,7 +23,7 @@ std::vector<Field<Shape>> shapeFields(bool fromFile) {
       field<&Shape::faceNormals>({.name = "face_normals", .doc = "flat triangles: normals of the file are not used"}));
   fields.push_back(field<&Shape::flipTexCoords>({.name = "flip_tex_coords",
                                                  .doc = "the file's v runs upwards, that of images downwards",
-                                                 .defaultText = "true for obj, false for ply"}));
+                                                 .defaultText = "true for obj, false for others"}));
   // The reader finds the file and puts in its path: the text alone does not say where it lies.
   fields.push_back({{.name = "filename",
                      .type = ValueType::string,
@@ -32,6 +32,23 @@ std::vector<Field<Shape>> shapeFields(bool fromFile) {
                     [](Shape& shape, const Value& value) -> std::string {
                       shape.file = std::get<std::string>(value);
                       return shape.file.empty() ? "'filename' is empty" : "";
+                    }});
+  return fields;
+}
+
+std::vector<Field<Shape>> serializedFields() {
+  std::vector<Field<Shape>> fields = shapeFields(true);
+  fields.push_back(field<&Shape::shapeIndex>(
+      {.name = "shape_index", .doc = "which of the meshes in the file, from 0", .range = Range::atLeast(0)}));
+  fields.push_back({{.name = "max_smooth_angle",
+                     .type = ValueType::number,
+                     .unit = "degrees",
+                     .doc = "refused: creases are not found here",
+                     .defaultText = "none"},
+                    [](Shape&, const Value&) {
+                      return std::string(
+                          "'max_smooth_angle' is not supported: give the mesh normals where it is made, "
+                          "or set 'face_normals'");
                     }});
   return fields;
 }
@@ -212,6 +229,8 @@ const std::vector<TypeTable<Shape>>& shapeTypes() {
   static const std::vector<TypeTable<Shape>> tables = {
       shapeTable("obj", "a mesh in a Wavefront OBJ file", shapeFields(true)),
       shapeTable("ply", "a mesh in a PLY file", shapeFields(true)),
+      shapeTable("serialized", "one of the meshes in a file of Mitsuba's binary format, version 3 or 4",
+                 serializedFields()),
       shapeTable("sphere", "a sphere", sphereFields()),
       shapeTable("cube", "a cube from -1 to 1 on each axis", shapeFields(false)),
       shapeTable("rectangle", "a square from -1 to 1 in x and y, facing +z", shapeFields(false)),

@@ -128,7 +128,7 @@ void placeInteriors(Preparation& state) {
       const Point<Object> center(shape.center.x, shape.center.y, shape.center.z);
       domain = Box<Object>{center - radius, center + radius};
     }
-    if (shape.type != scene::ShapeType::obj && shape.type != scene::ShapeType::ply) continue;
+    if (!shape.isFromFile()) continue;
     Box<Object> box;
     const bool moves = state.motionOf(shape.toWorld) != nullptr;
     const Transform<Object, World> toObject =

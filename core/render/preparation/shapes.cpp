@@ -2,6 +2,7 @@
 
 #include "core/accel/obj.h"
 #include "core/accel/ply.h"
+#include "core/accel/serialized.h"
 #include "core/render/preparation/materials.h"
 #include "core/render/preparation/velocities.h"
 
@@ -38,10 +39,11 @@ Result<accel::TriangleMesh> meshOf(Preparation& state, const scene::Shape& shape
                                    const Transform<World, Object>& toWorld) {
   using scene::ShapeType;
   accel::TriangleMesh mesh;
-  if (shape.type == ShapeType::obj || shape.type == ShapeType::ply) {
+  if (shape.isFromFile()) {
     const std::string file = shape.file.string();
-    auto loaded = shape.type == ShapeType::obj ? accel::loadObj(file, toWorld, state.warnings)
-                                               : accel::loadPly(file, toWorld, state.warnings);
+    auto loaded = shape.type == ShapeType::serialized ? accel::loadSerialized(file, shape.shapeIndex, toWorld)
+                  : shape.type == ShapeType::obj      ? accel::loadObj(file, toWorld, state.warnings)
+                                                      : accel::loadPly(file, toWorld, state.warnings);
     if (!loaded) return loaded.errors();
     mesh = std::move(*loaded);
     if (shape.flipTexCoords.value_or(shape.type == ShapeType::obj)) {
