@@ -56,6 +56,7 @@ struct SurfaceHit {
   Normal<World> geometricNormal;  ///< Unit; points outwards as the surface's winding says, not towards the ray.
   Normal<World> shadingNormal;    ///< Unit; on the geometric normal's side.
   float u = 0, v = 0;
+  float b1 = 0, b2 = 0;      ///< On a mesh, weights of the triangle's second and third corner.
   Vector<World> dPdu, dPdv;  ///< Per unit of u and v; zero where the parametrisation is singular.
 
   HitKey key() const { return {t, passThrough, object, primitive}; }

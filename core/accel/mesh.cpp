@@ -49,6 +49,15 @@ std::optional<std::string> findDefect(const TriangleMesh& mesh) {
   };
   if (auto defect = checkLength(mesh.normals.size(), "normals")) return defect;
   if (auto defect = checkLength(mesh.uvs.size(), "texture coordinates")) return defect;
+  for (const MeshAttribute& attribute : mesh.attributes) {
+    const std::size_t places = attribute.isPerFace ? mesh.triangles.size() : count;
+    if (attribute.channels >= 1 && attribute.channels <= 4 &&
+        attribute.values.size() == places * static_cast<std::size_t>(attribute.channels)) {
+      continue;
+    }
+    return "the attribute '" + attribute.name + "' of the mesh has " + std::to_string(attribute.values.size()) +
+           " numbers for " + std::to_string(places) + (attribute.isPerFace ? " triangles" : " positions");
+  }
   for (std::size_t i = 0; i < count; ++i) {
     if (!isFinite(mesh.positions[i])) return "position " + std::to_string(i) + " of the mesh is not finite";
   }
@@ -60,6 +69,19 @@ std::optional<std::string> findDefect(const TriangleMesh& mesh) {
     }
   }
   return {};
+}
+
+std::array<float, 4> valueAt(const TriangleMesh& mesh, const MeshAttribute& attribute, const MeshPlace& place) {
+  std::array<float, 4> values{};
+  const auto channels = static_cast<std::size_t>(attribute.channels);
+  const auto& corners = mesh.triangles[place.triangle];
+  for (std::size_t c = 0; c < channels; ++c) {
+    const auto at = [&](std::size_t index) { return attribute.values[index * channels + c]; };
+    values[c] = attribute.isPerFace ? at(place.triangle)
+                                    : at(corners[0]) * (1 - place.b1 - place.b2) + at(corners[1]) * place.b1 +
+                                          at(corners[2]) * place.b2;
+  }
+  return values;
 }
 
 void resolveNormals(TriangleMesh& mesh) {

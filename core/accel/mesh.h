@@ -8,11 +8,20 @@
 #include <vector>
 
 #include "core/base/geometry.h"
+#include "core/base/mesh_place.h"
 
 namespace aerosol::accel {
 
 struct TexCoord {
   float u = 0, v = 0;
+};
+
+/// Numbers that shaders may ask for by name.
+struct MeshAttribute {
+  std::string name;           ///< Such as "vertex_color".
+  int channels = 1;           ///< 1 to 4.
+  bool isPerFace = false;     ///< Values belong to triangles; otherwise to positions, and are interpolated.
+  std::vector<float> values;  ///< Channels of the first one, of the second one …
 };
 
 /// Triangles whose outside is the side from which their corners turn counter-clockwise. `normals` and `uvs` are empty
@@ -22,6 +31,7 @@ struct TriangleMesh {
   std::vector<Normal<World>> normals;
   std::vector<TexCoord> uvs;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<MeshAttribute> attributes;
   bool faceNormals = false;  ///< Shade flat: vertex normals, given or computed, are not used.
   bool flipNormals = false;  ///< Swap inside and outside.
 };
@@ -29,6 +39,9 @@ struct TriangleMesh {
 /// What makes the mesh unusable (an index out of range, a position that is not finite, arrays of unequal lengths);
 /// nothing when it is sound. Degenerate triangles are allowed: no ray meets them.
 std::optional<std::string> findDefect(const TriangleMesh& mesh);
+
+/// An attribute of the mesh at a place on it; channels that it does not have are 0.
+std::array<float, 4> valueAt(const TriangleMesh& mesh, const MeshAttribute& attribute, const MeshPlace& place);
 
 /// Carries out `faceNormals` and `flipNormals` and clears them. A mesh without normals that is not flat gets smooth
 /// ones.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/accel/ply_attributes.h"
 #include "core/accel/ply_values.h"
 #include "core/accel/triangulate.h"
 
@@ -104,32 +105,49 @@ class PlyParser {
       return;
     }
     const bool hasNormals = has[slotNx] && has[slotNy] && has[slotNz], hasUvs = has[slotU] && has[slotV];
+    std::vector<bool> isTaken;
+    for (const int slot : slots) isTaken.push_back(slot != slotNone);
+    PlyAttributeReader attributes(element, "vertex_", isTaken);
     const auto count = static_cast<std::size_t>(element.count);
     mesh_.positions.reserve(count);
     if (hasNormals) mesh_.normals.reserve(count);
     if (hasUvs) mesh_.uvs.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
       float v[slotCount] = {};
-      if (!readVertex(element, slots, v)) return;
+      if (!readVertex(element, slots, attributes, v)) return;
+      attributes.append(1);
       mesh_.positions.push_back({v[slotX], v[slotY], v[slotZ]});
       if (hasNormals) mesh_.normals.push_back(normalize(Normal<World>(v[slotNx], v[slotNy], v[slotNz])));
       if (hasUvs) mesh_.uvs.push_back({v[slotU], v[slotV]});
     }
+    mesh_.attributes = attributes.finish();
   }
 
-  bool readVertex(const PlyElement& element, const std::vector<int>& slots, float* values) {
+  /// A value that a float can hold; nothing after an error.
+  std::optional<double> readFinite(const PlyProperty& property) {
+    const auto value = readValue(property.type);
+    if (!value) return {};
+    if (std::fabs(*value) <= static_cast<double>(std::numeric_limits<float>::max())) return value;
+    errors_.add(reader_.error("'" + property.name + "' is not a finite number"));
+    return {};
+  }
+
+  bool readAttribute(const PlyProperty& property, std::size_t index, PlyAttributeReader& attributes) {
+    const auto value = readFinite(property);
+    if (value) attributes.set(index, *value);
+    return value.has_value();
+  }
+
+  bool readVertex(const PlyElement& element, const std::vector<int>& slots, PlyAttributeReader& attributes,
+                  float* values) {
     for (std::size_t k = 0; k < slots.size(); ++k) {
       const PlyProperty& property = element.properties[k];
       if (slots[k] == slotNone) {
-        if (!stepOver(property)) return false;
+        if (!(attributes.takes(k) ? readAttribute(property, k, attributes) : stepOver(property))) return false;
         continue;
       }
-      const auto value = readValue(property.type);
+      const auto value = readFinite(property);
       if (!value) return false;
-      if (!(std::fabs(*value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
-        errors_.add(reader_.error("'" + property.name + "' is not a finite number"));
-        return false;
-      }
       values[slots[k]] = static_cast<float>(*value);
     }
     return true;
@@ -143,12 +161,19 @@ class PlyParser {
                              "the faces need a list 'vertex_indices' of an integer type"));
       return;
     }
+    PlyAttributeReader attributes(element, "face_", std::vector<bool>(element.properties.size()));
     for (std::uint64_t i = 0; i < element.count; ++i) {
-      for (const PlyProperty& property : element.properties) {
-        const bool isRead = &property == &*found ? parseFace(property) : stepOver(property);
+      const std::size_t before = mesh_.triangles.size();
+      for (std::size_t k = 0; k < element.properties.size(); ++k) {
+        const PlyProperty& property = element.properties[k];
+        const bool isRead = &property == &*found  ? parseFace(property)
+                            : attributes.takes(k) ? readAttribute(property, k, attributes)
+                                                  : stepOver(property);
         if (!isRead) return;
       }
+      attributes.append(mesh_.triangles.size() - before);
     }
+    for (MeshAttribute& attribute : attributes.finish()) mesh_.attributes.push_back(std::move(attribute));
   }
 
   bool parseFace(const PlyProperty& property) {

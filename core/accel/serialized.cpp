@@ -157,6 +157,7 @@ class MeshReader {
     }
     if ((flags & hasColors) != 0) {
       if (!take("vertex colours", 3)) return problem;
+      mesh_.attributes.push_back({"vertex_color", 3, false, std::move(values)});
     }
     return {};
   }

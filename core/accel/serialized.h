@@ -9,8 +9,8 @@
 namespace aerosol::accel {
 
 /// Reads the mesh number `index` (from 0) of a .serialized file of version 3 or 4: meshes compressed one by one, and at
-/// the end of the file the place of each. Positions, normals and texture coordinates are read in single or
-/// double precision, vertex colours are stepped over. Errors name the byte of the file, which is where the mesh
+/// the end of the file the place of each. Normals, texture coordinates and colours (as attribute
+/// "vertex_color") are read in single or double precision. Errors name the byte of the file, which is where the mesh
 /// begins for what is wrong with its decompressed content.
 Result<TriangleMesh> loadSerialized(const std::string& path, int index, const Transform<World, Object>& toWorld);
 

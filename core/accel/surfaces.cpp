@@ -194,6 +194,8 @@ SurfaceHit describeHit(const MeshSurface& surface, std::uint32_t triangle, const
   hit.point = toFloat<Point<World>>(c.origin + c.edge1 * b1 + c.edge2 * b2);
   hit.geometricNormal = toFloat<Normal<World>>(geometric);
   hit.shadingNormal = toFloat<Normal<World>>(interpolatedNormal(surface.mesh, triangle, b1, b2, geometric));
+  hit.b1 = static_cast<float>(b1);
+  hit.b2 = static_cast<float>(b2);
   setParametrisation(hit, surface.mesh, triangle, c, b1, b2);
   return hit;
 }

@@ -73,6 +73,7 @@ volume::Task<Color> lightTextureAt(PathContext& path, std::uint32_t light, Light
   point.set(lang::Global::u, sample.u);
   point.set(lang::Global::v, sample.v);
   point.set(lang::Global::time, time);
+  point.setPlace(sample.place);
   co_return co_await lightTexture(path, light, point);
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/base/color.h"
 #include "core/base/geometry.h"
+#include "core/base/mesh_place.h"
 #include "core/render/light_tree.h"
 
 namespace aerosol::render {
@@ -28,6 +29,7 @@ struct LightSample {
   Point<World> point;    ///< On the light, where `distance` is finite.
   Normal<World> normal;  ///< Geometric, unit, towards the emitting side; zero where the light has no surface.
   float u = 0, v = 0;    ///< Where on the light's texture, where it has one.
+  MeshPlace place = {};  ///< Where on its mesh, where it is one.
 };
 
 /// A point of a light's surface that a ray met.

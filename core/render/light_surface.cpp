@@ -126,7 +126,8 @@ class MeshLight final : public LightSurface {
     const std::array<double, 2> w = toTriangle(u);
     const Vec a = corner(i, 0), b = corner(i, 1), c = corner(i, 2);
     const double rest = 1 - w[0] - w[1];
-    const auto sample = seen(from, a * w[0] + b * w[1] + c * rest, n * (1 / size), pdfArea);
+    auto sample = seen(from, a * w[0] + b * w[1] + c * rest, n * (1 / size), pdfArea);
+    if (sample) sample->place = {static_cast<std::uint32_t>(i), static_cast<float>(w[1]), static_cast<float>(rest)};
     if (mesh_->uvs.empty()) return withTexture(sample, w[1], rest);
     const auto uv = [&](std::size_t k) { return mesh_->uvs[mesh_->triangles[i][k]]; };
     const auto mix = [&](float p, float q, float r) {

@@ -15,8 +15,9 @@ struct SurfaceSample {
   Normal<World> normal;     ///< Geometric, unit, outwards.
   Vector<World> direction;  ///< Unit, towards the point.
   float distance = 0;
-  float pdf = 0;       ///< Per steradian.
-  float u = 0, v = 0;  ///< Texture coordinates, as rays find them.
+  float pdf = 0;         ///< Per steradian.
+  float u = 0, v = 0;    ///< Texture coordinates, as rays find them.
+  MeshPlace place = {};  ///< On a mesh.
 };
 
 /// A part of a surface that can be sampled apart: all of it, or a triangle of a mesh.

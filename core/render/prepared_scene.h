@@ -82,6 +82,9 @@ struct PreparedScene {
   std::vector<const volume::Medium*> shadowVolumes;                    ///< and as shadow rays do.
   std::vector<std::optional<VolumeLook>> looks;             ///< By medium index; empty when no volume has one.
   std::vector<std::unique_ptr<LinkedLights>> linkedLights;  ///< Of media that not all lights light.
+  /// What shaders may ask of the meshes that they are on: by family, then instance; null where a mesh has no
+  /// attributes. May be shorter.
+  std::vector<std::vector<const accel::TriangleMesh*>> attributeMeshes;
   Shutter shutter;
   bool changes = false;  ///< Something changes while the shutter is open: every path has a time of its own.
   const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.
@@ -105,6 +108,21 @@ struct PreparedScene {
   PathSettings path;
   std::uint32_t loopBudget = 1u << 24;
   std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();
+
+  const accel::TriangleMesh* meshWithAttributes(shading::InstanceRef shader) const {
+    if (shader.family >= attributeMeshes.size()) return nullptr;
+    const auto& meshes = attributeMeshes[shader.family];
+    return shader.index < meshes.size() ? meshes[shader.index] : nullptr;
+  }
+  /// From now on the shader finds the attributes of the object's mesh.
+  void giveAttributes(shading::InstanceRef shader, accel::ObjectId object) {
+    const accel::TriangleMesh* mesh = geometry->mesh(object);
+    if (!mesh || mesh->attributes.empty()) return;
+    if (attributeMeshes.size() <= shader.family) attributeMeshes.resize(shader.family + 1);
+    auto& meshes = attributeMeshes[shader.family];
+    if (meshes.size() <= shader.index) meshes.resize(shader.index + 1);
+    meshes[shader.index] = mesh;
+  }
 
   /// Null where a medium does not move so.
   const MediumVelocity* velocityOf(std::uint32_t medium) const {

@@ -40,6 +40,26 @@ const shading::AttributeTable* QuestionFacts::attributes(std::uint32_t point) co
   return instance(point).attributes.get();
 }
 
+static lang::Type typeOf(const accel::MeshAttribute& attribute) {
+  if (attribute.channels == 1) return lang::types::floating;
+  return attribute.channels == 3 ? lang::types::color : lang::types::floating.arrayOf(attribute.channels);
+}
+
+/// Attributes of the mesh that the point lies on.
+std::optional<lang::Type> QuestionFacts::userData(std::uint32_t point, std::uint64_t nameHash,
+                                                  std::span<float, maximumUserData> values) const {
+  const Question& asked = question(point);
+  const accel::TriangleMesh* mesh = asked.surfacePoint ? scene_.meshWithAttributes(asked.surface) : nullptr;
+  if (!mesh || asked.surfacePoint->place().triangle >= mesh->triangles.size()) return {};
+  for (const accel::MeshAttribute& attribute : mesh->attributes) {
+    if (hashString(attribute.name) != nameHash) continue;
+    const std::array<float, 4> found = valueAt(*mesh, attribute, asked.surfacePoint->place());
+    std::copy_n(found.begin(), attribute.channels, values.begin());
+    return typeOf(attribute);
+  }
+  return {};
+}
+
 /// Whether an object is one of those that count: the one of that name, all but that with "-" in front, or any.
 static bool belongs(const PreparedScene& scene, accel::ObjectId object, std::string_view set) {
   if (set.empty()) return true;

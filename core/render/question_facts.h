@@ -24,6 +24,8 @@ class QuestionFacts final : public shading::PointFacts {
   bool isBackfacing(std::uint32_t point) const override;
   float surfaceArea(std::uint32_t point) const override;
   const shading::AttributeTable* attributes(std::uint32_t point) const override;
+  std::optional<lang::Type> userData(std::uint32_t point, std::uint64_t nameHash,
+                                     std::span<float, maximumUserData> values) const override;
   bool trace(std::uint32_t point, const shading::TraceRequest& request, shading::TraceAnswer& answer) const override;
 
  private:

@@ -17,6 +17,7 @@ shading::ShadingPoint shadingPointOf(const accel::SurfaceHit& hit, const Ray<Wor
   point.set(Global::dPdu, hit.dPdu);
   point.set(Global::dPdv, hit.dPdv);
   point.set(Global::time, ray.time);
+  point.setPlace({hit.primitive, hit.b1, hit.b2});
   return point;
 }
 

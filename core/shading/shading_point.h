@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "core/base/geometry.h"
+#include "core/base/mesh_place.h"
 #include "core/jit/kernel_interface.h"
 
 namespace aerosol::shading {
@@ -23,10 +24,15 @@ class ShadingPoint {
     components_[static_cast<std::size_t>(jit::globalPointer(global))] = value;
   }
 
+  /// Where on a mesh the point lies.
+  void setPlace(const MeshPlace& place) { place_ = place; }
+  const MeshPlace& place() const { return place_; }
+
   float operator[](std::size_t component) const { return components_[component]; }
 
  private:
   std::array<float, jit::globalPointerCount> components_{};
+  MeshPlace place_;
 };
 
 }  // namespace aerosol::shading

@@ -67,7 +67,8 @@ class AreaLight final : public Light {
                        .point = s->point,
                        .normal = s->normal,
                        .u = s->u,
-                       .v = s->v};
+                       .v = s->v,
+                       .place = s->place};
   }
 
   std::shared_ptr<const LightSurface> surface_;

@@ -8,7 +8,18 @@ namespace aerosol::render {
 
 namespace {
 
-/// What a light's texture is in the mean, by a grid of its coordinates.
+/// Lets shaders find what the meshes that they are on carry.
+void giveMeshAttributes(Preparation& state) {
+  std::size_t light = state.description.emitters.size();
+  for (std::size_t i = 0; i < state.description.shapes.size(); ++i) {
+    const auto object = static_cast<accel::ObjectId>(i);
+    state.scene->giveAttributes(state.scene->objects[i].material, object);
+    if (!state.description.shapes[i].emitter) continue;
+    if (const auto& texture = state.lightTextures[light++]) state.scene->giveAttributes(*texture, object);
+  }
+}
+
+/// What a light's texture is in the mean, by a grid of its coordinates and over its mesh.
 Color meanTexture(const Preparation& state, shading::InstanceRef texture) {
   constexpr int side = 8;
   Color sum;
@@ -16,6 +27,10 @@ Color meanTexture(const Preparation& state, shading::InstanceRef texture) {
     shading::ShadingPoint point;
     point.set(lang::Global::u, (static_cast<float>(i % side) + 0.5f) / side);
     point.set(lang::Global::v, (static_cast<float>(i) / side + 0.5f) / side);
+    if (const accel::TriangleMesh* mesh = state.scene->meshWithAttributes(texture); mesh && !mesh->triangles.empty()) {
+      const std::size_t triangle = static_cast<std::size_t>(i) * mesh->triangles.size() / (side * side);
+      point.setPlace({static_cast<std::uint32_t>(triangle), 1.0f / 3, 1.0f / 3});
+    }
     sum += lightTextureOf(askSurface(*state.scene, texture, point));
   }
   // Where the grid finds nothing light may be all the same.
@@ -43,6 +58,7 @@ void bindLightTextures(Preparation& state) {
 }
 
 void addLights(Preparation& state) {
+  giveMeshAttributes(state);
   std::vector<std::unique_ptr<const Light>> lights;
   std::size_t next = 0;
   const auto add = [&](const scene::Emitter& emitter, std::shared_ptr<const LightSurface> surface) {

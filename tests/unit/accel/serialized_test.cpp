@@ -71,6 +71,9 @@ TEST(Serialized, ReadsNormalsAndTextureCoordinatesInBothPrecisions) {
     EXPECT_EQ(read->uvs[1].u, 0.5f);
     EXPECT_EQ(read->uvs[1].v, 0.75f);
     ASSERT_EQ(read->triangles.size(), 1u);
+    ASSERT_EQ(read->attributes.size(), 1u);
+    EXPECT_EQ(read->attributes[0].name, "vertex_color");
+    EXPECT_EQ(valueAt(*read, read->attributes[0], {0, 0.25f, 0.5f}), (std::array<float, 4>{0.25f, 0.25f, 0.5f, 0}));
   }
 }
 
