@@ -8,9 +8,6 @@
 
 namespace aerosol::render {
 
-namespace {
-
-/// Tangent of half the horizontal angle of view; `aspect` is width / height.
 double horizontalTangent(const scene::FieldOfView& fov, double aspect) {
   const double tangent = std::tan(static_cast<double>(fov.degrees) * (std::numbers::pi / 360));
   const bool isWide = aspect > 1;
@@ -28,8 +25,6 @@ double horizontalTangent(const scene::FieldOfView& fov, double aspect) {
   }
   return tangent;
 }
-
-}  // namespace
 
 Camera::Camera(const scene::Sensor& sensor, const scene::Film& film)
     : toWorld_(sensor.toWorld.at(sensor.shutter().open)),

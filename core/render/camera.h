@@ -17,6 +17,9 @@ struct CameraSample {
   float time = 0;               ///< Seconds.
 };
 
+/// Tangent of half the horizontal angle of view; `aspect` is width / height.
+double horizontalTangent(const scene::FieldOfView& fov, double aspect);
+
 /// Mitsuba's conventions: the camera looks along +z of its space with +y up; seen from it, +x is to the left. The field
 /// of view spans the whole film, whatever is cropped.
 class Camera {

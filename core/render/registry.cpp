@@ -1,6 +1,11 @@
 #include "core/render/registry.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/render/camera.h"
+#include "core/render/sun_position.h"
 
 namespace aerosol::render {
 
@@ -11,6 +16,21 @@ struct NamedLight {
   std::string type;
   std::vector<scene::NamedValue> parameters;
 };
+
+/// Degrees across the picture of a projector.
+float horizontalFov(const scene::Emitter& emitter) {
+  scene::Sensor sensor;
+  sensor.fov = emitter.fov;
+  sensor.fovAxis = emitter.fovAxis;
+  sensor.focalLength = emitter.focalLength;
+  const double tangent = horizontalTangent(sensor.fieldOfView(), static_cast<double>(emitter.aspect.value_or(1.0f)));
+  return static_cast<float>(std::atan(tangent) * 360 / std::numbers::pi);
+}
+
+Vector<scene::Unplaced> towardsSun(const scene::Emitter& emitter) {
+  const Vector<World> d = emitter.sun.direction ? *emitter.sun.direction : emitter.toWorld(sunDirection(emitter.sun));
+  return {d.x, d.y, d.z};
+}
 
 NamedLight nameLight(const scene::Emitter& emitter) {
   using scene::Unplaced;
@@ -36,6 +56,21 @@ NamedLight nameLight(const scene::Emitter& emitter) {
                {"to_world", emitter.toWorld.matrix()},
                {"cutoff_angle", emitter.cutoffAngle},
                {"beam_width", emitter.beamWidth.value_or(-1.0f)}}};
+    case scene::EmitterType::projector:
+      return {"projector",
+              {{"irradiance", emitter.emitted},
+               {"scale", emitter.scale},
+               {"to_world", emitter.toWorld.matrix()},
+               {"fov", horizontalFov(emitter)},
+               {"aspect", emitter.aspect.value_or(1.0f)}}};
+    case scene::EmitterType::sunsky:
+      return {"sunsky",
+              {{"turbidity", emitter.turbidity},
+               {"sun_direction", towardsSun(emitter)},
+               {"sun_scale", emitter.sunScale},
+               {"sky_scale", emitter.skyScale},
+               {"sun_aperture", emitter.sunAperture},
+               {"to_world", emitter.toWorld.matrix()}}};
   }
   return {};
 }

@@ -224,7 +224,17 @@ struct Sensor {
   FieldOfView fieldOfView() const;
 };
 
-enum class EmitterType : std::uint8_t { point, directional, constant, area, envmap, spot };
+enum class EmitterType : std::uint8_t { point, directional, constant, area, envmap, spot, projector, sunsky };
+
+/// Where a sun stands: in a direction, or as it is seen from a place on earth at a time.
+struct SunPlace {
+  std::optional<Vector<World>> direction;  ///< Towards it, unit; goes before the rest.
+  float latitude = 35.6894f;               ///< Degrees north.
+  float longitude = 139.6917f;             ///< Degrees east.
+  float timezone = 9;                      ///< Hours ahead of universal time.
+  int year = 2010, month = 7, day = 10;
+  float hour = 15, minute = 0, second = 0;
+};
 
 struct Emitter {
   EmitterType type = EmitterType::constant;
@@ -233,11 +243,20 @@ struct Emitter {
   Point<World> position;             ///< Of a point.
   float radius = 0;                  ///< Of a point: no ray comes nearer; 0: only rays that meet it are kept off.
   Vector<World> direction{0, 0, 1};  ///< Of a directional light: where it travels; unit length.
-  Transform<World, Object> toWorld;  ///< Of an envmap and of a spot, which shines along +z.
+  Transform<World, Object> toWorld;  ///< Of an envmap, a sunsky, and of what shines along +z.
   std::filesystem::path file;        ///< Of an envmap: an existing image.
-  float scale = 1;                   ///< Of an envmap.
+  float scale = 1;                   ///< Of an envmap, of a projector.
   float cutoffAngle = 20;            ///< Of a spot: degrees from its axis.
   std::optional<float> beamWidth;    ///< Of a spot: degrees to where it begins to fall off.
+  std::optional<float> fov;          ///< Of a projector, as of a sensor.
+  FovAxis fovAxis = FovAxis::x;
+  std::string focalLength;
+  std::optional<float> aspect;  ///< Of a projector's picture: width over height; that of the bitmap when not given.
+  SunPlace sun;                 ///< Of a sunsky, like the rest.
+  float turbidity = 3;
+  float sunScale = 1;
+  float skyScale = 1;
+  float sunAperture = 0.5338f;  ///< Degrees across the disc.
   /// A shader among the materials, of which the weight of the only closure multiplies what is emitted.
   std::optional<std::size_t> texture;
   Origin origin;

@@ -124,6 +124,11 @@ class SceneBuilder {
     if (emitter.beamWidth && *emitter.beamWidth > emitter.cutoffAngle) {
       reporter_.error(emitter.origin.of("beam_width"), "'beam_width' is wider than 'cutoff_angle'");
     }
+    checkSun(emitter);
+    if (emitter.origin.has("fov") && emitter.origin.has("focal_length")) {
+      reporter_.error(emitter.origin.of("focal_length"),
+                      "'fov' and 'focal_length' both give the angle: write one of them");
+    }
     for (const char* other : {"position", "direction"}) {
       if (!emitter.origin.has(other) || !emitter.origin.has("to_world")) continue;
       reporter_.error(emitter.origin.of("to_world"),
@@ -132,14 +137,26 @@ class SceneBuilder {
     return emitter;
   }
 
-  /// The texture inside of an area light (its radiance) or of a spot.
+  /// A direction and a time would be two places of the sun.
+  void checkSun(const Emitter& emitter) {
+    if (!emitter.sun.direction) return;
+    for (const char* other :
+         {"latitude", "longitude", "timezone", "year", "month", "day", "hour", "minute", "second"}) {
+      if (!emitter.origin.has(other)) continue;
+      reporter_.error(emitter.origin.of(other),
+                      fmt::format("'sun_direction' and '{}' both place the sun: write one of them", other));
+    }
+  }
+
+  /// The texture inside of an area light (its radiance), of a spot or of a projector.
   void readLightTexture(const Element& element, Emitter& emitter) {
     const bool isArea = emitter.type == EmitterType::area, isSpot = emitter.type == EmitterType::spot;
+    const bool isProjector = emitter.type == EmitterType::projector;
     const std::vector<std::string> tags =
-        isArea || isSpot ? std::vector<std::string>{"texture"} : std::vector<std::string>{};
+        isArea || isSpot || isProjector ? std::vector<std::string>{"texture"} : std::vector<std::string>{};
     const Child texture = IdTable::single(ids_.children(element, tags, reporter_), "texture", reporter_);
     if (!texture.object) return;
-    const std::string wanted = isArea ? "radiance" : "texture";
+    const std::string wanted = isArea ? "radiance" : isProjector ? "irradiance" : "texture";
     const std::string& name = texture.use->name;
     if (name != wanted) {
       reporter_.error(name.empty() ? texture.use->location : texture.use->nameLocation,
@@ -180,7 +197,7 @@ class SceneBuilder {
     std::optional<Emitter> emitter = readEmitter(element);
     if (!emitter) return;
     const auto surrounds = [](const Emitter& e) {
-      return e.type == EmitterType::constant || e.type == EmitterType::envmap;
+      return e.type == EmitterType::constant || e.type == EmitterType::envmap || e.type == EmitterType::sunsky;
     };
     if (surrounds(*emitter)) {
       const auto first = std::find_if(scene_.emitters.begin(), scene_.emitters.end(), surrounds);

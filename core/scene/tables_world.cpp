@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "core/scene/tables.h"
+#include "core/scene/tables_emitters.h"
 
 namespace aerosol::scene {
 
@@ -263,7 +264,14 @@ const std::vector<TypeTable<Emitter>>& emitterTypes() {
        .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance, or a texture of it")},
        .nested = "texture named radiance"},
       {.type = "envmap", .doc = "light from all around, by an image", .fields = environmentFields()},
-      {.type = "spot", .doc = "light from one point into a cone", .fields = spotFields(), .nested = "texture"}};
+      {.type = "spot", .doc = "light from one point into a cone", .fields = spotFields(), .nested = "texture"},
+      {.type = "projector",
+       .doc = "a picture that is projected from one point, as a perspective camera sees",
+       .fields = projectorFields(),
+       .nested = "texture named irradiance"},
+      {.type = "sunsky",
+       .doc = "the sun and a clear sky, by the model of Preetham, Shirley and Smits (1999)",
+       .fields = sunSkyFields()}};
   return tables;
 }
 

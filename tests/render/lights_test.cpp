@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <numbers>
+#include <set>
 
+#include "core/render/clear_sky.h"
 #include "tests/render/film_checks.h"
 
 // Each kind of light on a diffuse plane.
@@ -100,6 +102,137 @@ TEST(LightsOnAPlane, Spot) {
                       return 5 * fall * 3 / std::pow(r * r + 9, 1.5);
                     }),
                     0.003));
+}
+
+/// Straight down from y = 3 above (0.2, 0), with the picture's top towards +z: on the plane the irradiance is even.
+std::string projector(int fov, const std::string& inside) {
+  return fmt::format(R"(<emitter type="projector"><float name="fov" value="{}"/>)", fov) +
+         R"(<transform name="to_world">
+      <lookat origin="0.2, 3, 0" target="0.2, 0, 0" up="0, 0, 1"/></transform>)" +
+         inside + "</emitter>";
+}
+
+TEST(LightsOnAPlane, ProjectorIsEvenInItsRectangle) {
+  const std::string irradiance = R"(<rgb name="irradiance" value="0.5"/><float name="scale" value="6"/>
+      <float name="aspect" value="2"/>)";
+  const TestScene inside = loadScene(direct, fromAbove, std::string(plane) + projector(140, irradiance));
+  EXPECT_TRUE(shows(inside, *inside.render(64), reflected([](double, double) { return pi * 3 / 9; })));
+  // With an edge in the picture: the whole light on a plane that is large enough, from right above.
+  const TestScene whole = loadScene(direct, {.origin = "0.2, 6, 0.001", .target = "0.2, 0, 0", .fov = 60},
+                                    std::string(plane) + projector(60, irradiance));
+  ASSERT_TRUE(whole.scene());
+  const auto film = whole.render(1024);
+  double sum = 0;
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 16; ++x) sum += static_cast<double>(film->estimate(x, y).color.r) / 256;
+  }
+  // The camera sees a square of half side 6 tan 30; the light fills half of that in x and a quarter in z.
+  EXPECT_NEAR(sum / (0.8 * 3 / 9 / 8), 1, 0.01);
+}
+
+TEST(LightsOnAPlane, ProjectorShowsItsPictureUpright) {
+  // The light looks down with +z as its up, so +x is on its left. The image's aspect is the bitmap's.
+  const TestScene scene = loadScene(direct, {.origin = "0.2, 3, 0.001", .target = "0.2, 0, 0", .fov = 50},
+                                    std::string(plane) + projector(60, fmt::format(R"(
+      <texture type="bitmap" name="irradiance"><string name="filename" value="{}/sky.ppm"/>
+      <string name="filter_type" value="nearest"/></texture>)",
+                                                                                   shaderFolder().string())));
+  ASSERT_TRUE(scene.scene());
+  constexpr int texels[3][4][3] = {{{200, 200, 250}, {120, 150, 200}, {90, 100, 180}, {130, 140, 190}},
+                                   {{100, 220, 100}, {60, 30, 20}, {255, 255, 255}, {80, 90, 100}},
+                                   {{30, 40, 30}, {50, 60, 30}, {20, 20, 20}, {90, 50, 10}}};
+  const double halfX = 3 * std::tan(pi / 6), halfZ = halfX * 3 / 4;
+  // The texel that a place of the film shows, or -1.
+  const auto texelAt = [&](int x, int y, double dx, double dy) {
+    const Ray<World> ray =
+        scene.scene()->camera->ray({.x = static_cast<float>(x + dx), .y = static_cast<float>(y + dy)});
+    const double t = -static_cast<double>(ray.origin.y) / static_cast<double>(ray.direction.y);
+    const double px = static_cast<double>(ray.origin.x) + t * static_cast<double>(ray.direction.x) - 0.2;
+    const double pz = static_cast<double>(ray.origin.z) + t * static_cast<double>(ray.direction.z);
+    const double u = 0.5 - 0.5 * px / halfX, v = 0.5 - 0.5 * pz / halfZ;
+    return u < 0 || u >= 1 || v < 0 || v >= 1 ? -1 : static_cast<int>(v * 3) * 4 + static_cast<int>(u * 4);
+  };
+  const auto film = scene.render(16);
+  std::set<int> seen;
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 16; ++x) {
+      const int texel = texelAt(x, y, 0, 0);
+      const bool isWithin =
+          texel == texelAt(x, y, 1, 0) && texel == texelAt(x, y, 0, 1) && texel == texelAt(x, y, 1, 1);
+      if (!isWithin) continue;
+      seen.insert(texel);
+      const Color reflectance(0.8f, 0.5f, 0.2f);
+      for (int c = 0; c < 3; ++c) {
+        const double light = texel < 0 ? 0 : linearFromByte(texels[texel / 4][texel % 4][c]) / 9;
+        EXPECT_NEAR(static_cast<double>(film->estimate(x, y).color[c]), light * static_cast<double>(reflectance[c]),
+                    1e-5)
+            << x << ' ' << y;
+      }
+    }
+  }
+  EXPECT_GE(seen.size(), 12u);
+}
+
+/// The clear sky by its paper, written down again: linear Rec.709 with a turbidity of 4 and the sun at 50 degrees from
+/// the zenith.
+std::array<double, 3> paperSky(double cosZenith, double sunAngle) {
+  constexpr double T = 4, sun = 50 * pi / 180;
+  const auto perez = [](double A, double B, double C, double D, double E, double cosine, double angle) {
+    return (1 + A * std::exp(B / cosine)) * (1 + C * std::exp(D * angle) + E * std::pow(std::cos(angle), 2));
+  };
+  const auto part = [&](double zenith, double A, double B, double C, double D, double E) {
+    return zenith * perez(A, B, C, D, E, cosZenith, sunAngle) / perez(A, B, C, D, E, 1, sun);
+  };
+  const double Yz = (4.0453 * T - 4.9710) * std::tan((4.0 / 9 - T / 120) * (pi - 2 * sun)) - 0.2155 * T + 2.4192;
+  const auto cubic = [](double a, double b, double c, double d) { return ((a * sun + b) * sun + c) * sun + d; };
+  const double xz = T * T * cubic(0.00166, -0.00375, 0.00209, 0) + T * cubic(-0.02903, 0.06377, -0.03202, 0.00394) +
+                    cubic(0.11693, -0.21196, 0.06052, 0.25886);
+  const double yz = T * T * cubic(0.00275, -0.00610, 0.00317, 0) + T * cubic(-0.04214, 0.08970, -0.04153, 0.00516) +
+                    cubic(0.15346, -0.26756, 0.06670, 0.26688);
+  const double Y = part(Yz * 1000 / (683.002 * 106.857), 0.1787 * T - 1.4630, -0.3554 * T + 0.4275,
+                        -0.0227 * T + 5.3251, 0.1206 * T - 2.5771, -0.0670 * T + 0.3703);
+  const double x = part(xz, -0.0193 * T - 0.2592, -0.0665 * T + 0.0008, -0.0004 * T + 0.2125, -0.0641 * T - 0.8989,
+                        -0.0033 * T + 0.0452);
+  const double y = part(yz, -0.0167 * T - 0.2608, -0.0950 * T + 0.0092, -0.0079 * T + 0.2102, -0.0441 * T - 1.6537,
+                        -0.0109 * T + 0.0529);
+  const double X = x / y * Y, Z = (1 - x - y) / y * Y;
+  return {std::max(0.0, 3.2404542 * X - 1.5371385 * Y - 0.4985314 * Z),
+          std::max(0.0, -0.9692660 * X + 1.8760108 * Y + 0.0415560 * Z),
+          std::max(0.0, 0.0556434 * X - 0.2040259 * Y + 1.0572252 * Z)};
+}
+
+/// Its zenith turned to +y; the sun stands towards +x then.
+constexpr const char* clearSky = R"(<emitter type="sunsky"><float name="turbidity" value="4"/>
+    <vector name="sun_direction" x="0.7660444" y="0.6427876" z="0"/><float name="{}" value="0"/>
+    <transform name="to_world"><rotate x="1" angle="-90"/></transform></emitter>)";
+
+TEST(LightsOnAPlane, ClearSky) {
+  const TestScene scene =
+      loadScene(direct, fromAbove, std::string(plane) + fmt::format(fmt::runtime(clearSky), "sun_scale"));
+  std::array<double, 3> irradiance{};
+  constexpr int n = 300;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < 4 * n; ++j) {
+      const double c = std::sqrt((i + 0.5) / n), sine = std::sqrt(1 - c * c), phi = 2 * pi * (j + 0.5) / (4 * n);
+      const double towardsSun = sine * std::cos(phi) * std::sin(50 * pi / 180) + c * std::cos(50 * pi / 180);
+      const auto radiance = paperSky(c, std::acos(std::min(towardsSun, 1.0)));
+      for (std::size_t k = 0; k < 3; ++k) irradiance[k] += pi * radiance[k] / (4.0 * n * n);
+    }
+  }
+  EXPECT_TRUE(shows(scene, *scene.render(512), [=](const Ray<World>&) {
+    return Color(0.8f, 0.5f, 0.2f) * color([&](int c) { return irradiance[static_cast<std::size_t>(c)] / pi; });
+  }));
+}
+
+TEST(LightsOnAPlane, TheSunAloneIsParallelLight) {
+  const TestScene scene =
+      loadScene(direct, fromAbove, std::string(plane) + fmt::format(fmt::runtime(clearSky), "sky_scale"));
+  ASSERT_TRUE(scene.scene());
+  const Color sun = render::ClearSky(50 * pi / 180, 4).sun();
+  const double irradiance = 2 * pi * (1 - std::cos(0.5338 / 2 * pi / 180)) * std::cos(50 * pi / 180);
+  EXPECT_TRUE(shows(scene, *scene.render(256), [=](const Ray<World>&) {
+    return Color(0.8f, 0.5f, 0.2f) * sun * static_cast<float>(irradiance / pi);
+  }));
 }
 
 /// sky.ppm in a direction of its own space: +y the upper row, the middle of the image at -z.

@@ -1,5 +1,6 @@
 #include "core/render/preparation/lights.h"
 
+#include "core/render/picture_aspect.h"
 #include "core/render/preparation/shapes.h"
 #include "core/render/surface_closures.h"
 #include "core/render/volume_light.h"
@@ -63,8 +64,10 @@ void addLights(Preparation& state) {
   std::size_t next = 0;
   const auto add = [&](const scene::Emitter& emitter, std::shared_ptr<const LightSurface> surface) {
     const std::optional<shading::InstanceRef> texture = state.lightTextures[next++];
+    scene::Emitter shown = emitter;
+    if (!shown.aspect) shown.aspect = pictureAspect(state.description, emitter, *state.scene->services);
     auto light =
-        makeLight(state.registry, emitter, std::move(surface), texture ? meanTexture(state, *texture) : Color(1));
+        makeLight(state.registry, shown, std::move(surface), texture ? meanTexture(state, *texture) : Color(1));
     if (light) state.scene->lightTextures.push_back(texture);
     if (!light) {
       state.errors.append(light.errors());

@@ -79,7 +79,8 @@ TEST_F(LightsTest, WhatIsWrongIsSaidAtItsPlace) {
   const std::string unknownType = errorsOf(makeLight(registry_, "pont", {}, nullptr, place));
   EXPECT_NE(unknownType.find("scene.xml:7:3: error: there is no light of type 'pont'"), std::string::npos);
   EXPECT_NE(unknownType.find("did you mean 'point'"), std::string::npos);
-  EXPECT_NE(unknownType.find("known are area, constant, directional, envmap, point, spot"), std::string::npos);
+  EXPECT_NE(unknownType.find("known are area, constant, directional, envmap, point, projector, spot, sunsky"),
+            std::string::npos);
   const std::string unknownName = errorsOf(makeLight(registry_, "point", {{"intensty", Color(1)}}, nullptr, place));
   EXPECT_NE(unknownName.find("'intensty'"), std::string::npos);
   EXPECT_NE(unknownName.find("did you mean 'intensity'"), std::string::npos);
