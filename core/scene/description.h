@@ -269,7 +269,18 @@ struct NamedValue {
   Value value;
 };
 
-enum class ShapeType : std::uint8_t { obj, ply, serialized, sphere, cube, rectangle, disk, cylinder };
+enum class ShapeType : std::uint8_t {
+  obj,
+  ply,
+  serialized,
+  sphere,
+  cube,
+  rectangle,
+  disk,
+  cylinder,
+  shapegroup,  ///< These two stand in scene files alone: an instance becomes the shapes of its group.
+  instance
+};
 
 /// Canonical forms, before `toWorld`: a sphere of `radius` about `center`; a cube from -1 to 1; a rectangle from -1 to
 /// 1 in x and y at z = 0; a disk of radius 1 at z = 0; the normals of these two point along +z. A cylinder of `radius`

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "core/scene/checks.h"
+#include "core/scene/grouped_placement.h"
 #include "core/scene/id_table.h"
 #include "core/scene/property_reader.h"
 #include "core/scene/shader_builder.h"
@@ -209,7 +211,70 @@ class SceneBuilder {
     scene_.emitters.push_back(std::move(*emitter));
   }
 
+  /// What a group of shapes holds.
+  struct Group {
+    std::vector<Shape> shapes;
+    std::vector<Volume> volumes;
+  };
+
   void readShape(const Element& element) {
+    if (element.type == "shapegroup") return;  // An instance reads it.
+    if (element.type == "instance") return readInstance(element);
+    scene_.shapes.push_back(shapeOf(element));
+  }
+
+  void readInstance(const Element& element) {
+    Shape instance;
+    readTyped(element, shapeTypes(), instance);
+    const Child child = IdTable::single(ids_.children(element, {"shape"}, reporter_), "shape", reporter_);
+    if (!child.object) {
+      if (element.children.empty()) {
+        reporter_.error(element.location, "shape 'instance' lacks its group",
+                        {"write a <ref id=\"…\"/> to a shapegroup into it"});
+      }
+      return;
+    }
+    if (child.object->type != "shapegroup") {
+      reporter_.error(child.use->location,
+                      fmt::format("an instance shows a shapegroup, not a shape '{}'", child.object->type));
+      return;
+    }
+    const auto place = [&](auto object) {
+      if (const auto problem = placeInGroup(instance.toWorld, object.toWorld)) {
+        reporter_.error(instance.origin.of("to_world"), "this instance cannot move so: " + *problem,
+                        {fmt::format("the object is at {}", format(object.origin.location))});
+      }
+      return object;
+    };
+    const Group& group = groupOf(*child.object);
+    for (const Shape& shape : group.shapes) scene_.shapes.push_back(place(shape));
+    for (const Volume& volume : group.volumes) scene_.volumes.push_back(place(volume));
+  }
+
+  /// Read when the first instance asks for it.
+  const Group& groupOf(const Element& element) {
+    const auto [entry, isNew] = groups_.try_emplace(&element);
+    Group& group = entry->second;
+    if (!isNew) return group;
+    Shape nothing;
+    readTyped(element, shapeTypes(), nothing);
+    const std::vector<Child> children = ids_.children(element, {"shape", "volume"}, reporter_);
+    for (const Child& child : children) {
+      const Element& object = *child.object;
+      if (object.tag == "shape" && (object.type == "shapegroup" || object.type == "instance")) {
+        reporter_.error(child.use->location,
+                        fmt::format("a shape '{}' does not belong in a shapegroup: groups do not nest", object.type));
+      } else if (object.tag == "shape") {
+        group.shapes.push_back(shapeOf(object));
+      } else if (auto volume = volumeOf(object)) {
+        group.volumes.push_back(std::move(*volume));
+      }
+    }
+    if (element.children.empty()) reporter_.error(element.location, "this shapegroup is empty");
+    return group;
+  }
+
+  Shape shapeOf(const Element& element) {
     Shape shape;
     const auto type = readTyped(element, shapeTypes(), shape);
     if (type) shape.type = static_cast<ShapeType>(*type);
@@ -223,7 +288,7 @@ class SceneBuilder {
     for (const Child& child : children) {
       if (child.object->tag == "medium") readShapeMedium(child, shape);
     }
-    scene_.shapes.push_back(std::move(shape));
+    return shape;
   }
 
   void findShapeFile(Shape& shape) {
@@ -256,13 +321,19 @@ class SceneBuilder {
   }
 
   void readVolume(const Element& element) {
+    if (auto volume = volumeOf(element)) scene_.volumes.push_back(std::move(*volume));
+  }
+
+  /// Nothing where something that it needs is missing, which is reported.
+  std::optional<Volume> volumeOf(const Element& element) {
     const VolumeType* type = known_.volume(element.type);
     std::vector<Child> children = ids_.children(element, {"medium"}, reporter_);
     const Child medium = IdTable::single(children, "medium", reporter_);
     if (!type) {
       std::vector<std::string> types;
       for (const VolumeType& t : known_.volumes) types.push_back(t.type);
-      return reportUnknownType(element, types, reporter_);
+      reportUnknownType(element, types, reporter_);
+      return {};
     }
     Volume volume;
     volume.type = type->type;
@@ -282,17 +353,18 @@ class SceneBuilder {
         reporter_.error(element.location, fmt::format("{} lacks its medium", describe(element)),
                         {"write a <medium type=\"…\"> or a <ref id=\"…\"/> to one into it"});
       }
-      return;
+      return {};
     }
     volume.medium = shaders_.medium(*medium.object);
-    scene_.volumes.push_back(std::move(volume));
+    return volume;
   }
 
   /// Objects that only matter where they are referred to.
   void warnOfUnused() {
     for (const Element& element : tree_.scene.children) {
-      const bool standsAlone = element.tag == "sensor" || element.tag == "integrator" || element.tag == "shape" ||
-                               element.tag == "volume" || (element.tag == "emitter" && element.type != "area");
+      const bool standsAlone = element.tag == "sensor" || element.tag == "integrator" ||
+                               (element.tag == "shape" && element.type != "shapegroup") || element.tag == "volume" ||
+                               (element.tag == "emitter" && element.type != "area");
       if (standsAlone || ids_.isUsed(element)) continue;
       const std::string message = element.id.empty()
                                       ? fmt::format("{} has no id, so nothing can refer to it", describe(element))
@@ -308,6 +380,7 @@ class SceneBuilder {
   SceneDescription scene_;
   IdTable ids_;
   ShaderBuilder shaders_;
+  std::map<const Element*, Group> groups_;
 };
 
 }  // namespace

@@ -236,7 +236,15 @@ const std::vector<TypeTable<Shape>>& shapeTypes() {
       shapeTable("cube", "a cube from -1 to 1 on each axis", shapeFields(false)),
       shapeTable("rectangle", "a square from -1 to 1 in x and y, facing +z", shapeFields(false)),
       shapeTable("disk", "a disk of radius 1 in x and y, facing +z", shapeFields(false)),
-      shapeTable("cylinder", "a cylinder between two points, without caps", cylinderFields())};
+      shapeTable("cylinder", "a cylinder between two points, without caps", cylinderFields()),
+      {.type = "shapegroup",
+       .doc = "shapes and volumes that are seen where an instance refers to them",
+       .nested = "shape, volume; no groups"},
+      {.type = "instance",
+       .doc = "a group in another place: each has the materials, media and emitters of the group",
+       .fields = {field<&Shape::toWorld>(
+           {.name = "to_world", .doc = "the group's space to world", .defaultText = "identity"})},
+       .nested = "a shapegroup, or a ref to one"}};
   return tables;
 }
 

@@ -1,8 +1,5 @@
 #include "core/render/preparation/shapes.h"
 
-#include "core/accel/obj.h"
-#include "core/accel/ply.h"
-#include "core/accel/serialized.h"
 #include "core/render/preparation/materials.h"
 #include "core/render/preparation/velocities.h"
 
@@ -40,10 +37,7 @@ Result<accel::TriangleMesh> meshOf(Preparation& state, const scene::Shape& shape
   using scene::ShapeType;
   accel::TriangleMesh mesh;
   if (shape.isFromFile()) {
-    const std::string file = shape.file.string();
-    auto loaded = shape.type == ShapeType::serialized ? accel::loadSerialized(file, shape.shapeIndex, toWorld)
-                  : shape.type == ShapeType::obj      ? accel::loadObj(file, toWorld, state.warnings)
-                                                      : accel::loadPly(file, toWorld, state.warnings);
+    auto loaded = state.meshFiles.load(shape, toWorld, state.warnings);
     if (!loaded) return loaded.errors();
     mesh = std::move(*loaded);
     if (shape.flipTexCoords.value_or(shape.type == ShapeType::obj)) {

@@ -48,6 +48,7 @@ Preparation::Preparation(const scene::SceneDescription& about, const Registry& p
       warnings(warned),
       library(makeLibrary(about, how)),
       scene(std::make_unique<PreparedScene>()),
+      meshFiles(about),
       links(about, *scene) {
   scene->services = makeServices({searchPath(about, how), how.textureMemory_MB});
 }
@@ -66,7 +67,7 @@ void Preparation::appendNew(const Diagnostic& error) {
 void Preparation::appendAt(const SourceLocation& element, const Diagnostics& added) {
   for (Diagnostic error : added.entries()) {
     if (error.location.file.empty()) error.location = element;
-    errors.add(std::move(error));
+    appendNew(error);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "core/accel/scene.h"
 #include "core/render/light_linking.h"
 #include "core/render/medium_preparation.h"
+#include "core/render/preparation/mesh_files.h"
 #include "core/render/prepare.h"
 #include "core/render/shader_binding.h"
 
@@ -38,7 +39,7 @@ struct Preparation {
   /// A material used by many shapes is reported once.
   void appendNew(const Diagnostics& added);
   void appendNew(const Diagnostic& error);
-  /// Errors without a place of their own are those of the element.
+  /// Errors without a place of their own are those of the element. What is known is not repeated.
   void appendAt(const SourceLocation& element, const Diagnostics& added);
 
   Transform<World, Object> atOpening(const scene::Placement<World, Object>& placement) const {
@@ -60,6 +61,7 @@ struct Preparation {
   std::unique_ptr<PreparedScene> scene;
   accel::SceneBuilder builder;
   std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By emitter, then by shape that has one.
+  MeshFiles meshFiles;
   LightLinking links;
   std::vector<Placement> placements;  ///< By medium index.
   Diagnostics errors;
