@@ -111,6 +111,10 @@ struct DoctorArguments {
   int size = 96;  ///< Pixels of the pilot's longer side.
 };
 
+struct CheckArguments {
+  RenderArguments render;
+};
+
 struct SubmitArguments {
   RenderArguments render;
   std::string folder;  ///< Of the job's files; empty: beside the first output.
@@ -187,7 +191,8 @@ struct ToolArguments {
   std::vector<std::filesystem::path> shaderPath;  ///< $AEROSOL_SHADER_PATH.
 };
 
-using Arguments = std::variant<RenderArguments, BakeArguments, MergeArguments, StudyArguments, PlanArguments,
-                               DoctorArguments, SubmitArguments, HelpArguments, VersionArguments, ToolArguments>;
+using Arguments =
+    std::variant<RenderArguments, BakeArguments, MergeArguments, StudyArguments, PlanArguments, DoctorArguments,
+                 CheckArguments, SubmitArguments, HelpArguments, VersionArguments, ToolArguments>;
 
 }  // namespace aerosol::app

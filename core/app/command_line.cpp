@@ -168,6 +168,7 @@ struct Parser {
   StudyArguments study;
   PlanArguments plan;
   DoctorArguments doctor;
+  CheckArguments check;
   SubmitArguments submit;
   BakeArguments bake;
   HelpArguments help;
@@ -187,6 +188,7 @@ struct Parser {
     addMerge(app, merge);
     addStudy(app, study);
     addPlan(app, plan);
+    addCheck(app, check);
     addDoctor(app, doctor);
     addSubmit(app, submit);
     addTools(app);
@@ -327,15 +329,16 @@ std::variant<Arguments, Reply> parseCommandLine(const std::vector<std::string>& 
                       isProgram ? "see: aerosol --help" : "see: aerosol help " + parser.chosen().get_name());
   }
   if (parser.version) return Arguments(VersionArguments{});
-  for (KernelArguments* kernels :
-       {&parser.render.kernels, &parser.bake.kernels, &parser.study.render.kernels, &parser.plan.render.kernels,
-        &parser.doctor.render.kernels, &parser.submit.render.kernels, &parser.help.kernels}) {
+  for (KernelArguments* kernels : {&parser.render.kernels, &parser.bake.kernels, &parser.study.render.kernels,
+                                   &parser.plan.render.kernels, &parser.doctor.render.kernels,
+                                   &parser.check.render.kernels, &parser.submit.render.kernels, &parser.help.kernels}) {
     appendSearchPath(shaderPathVariable, kernels->shaderPath);
   }
   if (parser.chose("render")) return Arguments(std::move(parser.render));
   if (parser.chose("merge")) return Arguments(std::move(parser.merge));
   if (parser.chose("study")) return Arguments(std::move(parser.study));
   if (parser.chose("plan")) return Arguments(std::move(parser.plan));
+  if (parser.chose("check")) return Arguments(std::move(parser.check));
   if (parser.chose("doctor")) return Arguments(std::move(parser.doctor));
   if (parser.chose("submit")) return Arguments(std::move(parser.submit));
   if (parser.chose("bake")) {

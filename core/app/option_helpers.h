@@ -72,5 +72,6 @@ void addStudy(CLI::App& program, StudyArguments& study);
 void addPlan(CLI::App& program, PlanArguments& plan);
 void addSubmit(CLI::App& program, SubmitArguments& submit);
 void addDoctor(CLI::App& program, DoctorArguments& doctor);
+void addCheck(CLI::App& program, CheckArguments& check);
 
 }  // namespace aerosol::app

@@ -123,6 +123,17 @@ void addDoctor(CLI::App& program, DoctorArguments& doctor) {
   addInteger(app, "--size", doctor.size, 1, "Pixels of the longer side of the pilot [96]");
 }
 
+void addCheck(CLI::App& program, CheckArguments& check) {
+  CLI::App& app = *program.add_subcommand("check", "Tell everything that is wrong with a scene at once");
+  app.footer(
+      "Reads and prepares the scene as a render does, and goes on after errors: unknown objects and parameters, "
+      "shaders\n"
+      "that do not compile, files that are missing or damaged. Renders nothing; aerosol doctor looks for what goes "
+      "wrong\n"
+      "while rendering.\nExit codes: 0 no errors (there may be warnings), 1 errors, 2 bad command line.");
+  addScene(app, check.render);
+}
+
 void addSubmit(CLI::App& program, SubmitArguments& submit) {
   CLI::App& app =
       *program.add_subcommand("submit", "Render on a queue: cut into tasks, for Slurm, OpenCue or GNU parallel");

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "core/app/bake_command.h"
+#include "core/app/check_command.h"
 #include "core/app/command_line.h"
 #include "core/app/doctor/doctor_command.h"
 #include "core/app/help_command.h"
@@ -28,6 +29,7 @@ struct Runner {
   ExitCode operator()(const StudyArguments& arguments) const { return studyCommand(arguments, console); }
   ExitCode operator()(const PlanArguments& arguments) const { return planCommand(arguments, console); }
   ExitCode operator()(const DoctorArguments& arguments) const { return doctorCommand(arguments, console); }
+  ExitCode operator()(const CheckArguments& arguments) const { return checkCommand(arguments, console); }
   ExitCode operator()(const SubmitArguments& arguments) const { return submitCommand(arguments, console); }
   ExitCode operator()(const BakeArguments& arguments) const { return bakeCommand(arguments, console); }
   ExitCode operator()(const HelpArguments& arguments) const { return helpCommand(arguments, console); }

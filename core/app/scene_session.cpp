@@ -10,6 +10,7 @@
 #include "core/app/registered_types.h"
 #include "core/app/sampling_plan_file.h"
 #include "core/lang/native.h"
+#include "core/render/scene_check.h"
 #include "core/scene/loader.h"
 #include "plugins/registration.h"
 
@@ -84,7 +85,33 @@ bool SceneSession::prepare() {
   return scene_ != nullptr;
 }
 
-std::unique_ptr<const render::PreparedScene> SceneSession::prepareVariant(const scene::SceneDescription& description) {
+Diagnostics SceneSession::check() {
+  scene::Reading reading =
+      scene::read(arguments_.scene, {arguments_.defines, arguments_.overrides, registeredTypes(registry_)}, warnings_);
+  Diagnostics errors = std::move(reading.errors);
+  auto toolchain = openToolchain(arguments_.kernels, warnings_);
+  if (!toolchain) errors.append(toolchain.errors());
+  if (!toolchain || !reading.scene) return errors;
+  toolchain_ = std::move(*toolchain);
+  description_ = std::move(*reading.scene);
+  applyArguments(arguments_, *description_);
+  errors.append(removeEffects(arguments_.without, *description_));
+  if (!errors.hasErrors()) {
+    auto prepared = render::prepare(*description_, registry_, prepareOptions(), warnings_);
+    if (prepared) return errors;
+    errors.append(prepared.errors());
+  }
+  const Diagnostics parts = render::checkParts(*description_, registry_, prepareOptions());
+  for (const Diagnostic& found : parts.entries()) {
+    const bool isKnown = std::any_of(errors.entries().begin(), errors.entries().end(), [&](const Diagnostic& e) {
+      return e.location == found.location && e.message == found.message;
+    });
+    if (!isKnown) errors.add(found);
+  }
+  return errors;
+}
+
+render::PrepareOptions SceneSession::prepareOptions() const {
   render::PrepareOptions options;
   options.shaderPath = arguments_.kernels.shaderPath;
   options.shaderLibrary = toolchain_->installation.shaders;
@@ -97,8 +124,12 @@ std::unique_ptr<const render::PreparedScene> SceneSession::prepareVariant(const 
   options.textureMemory_MB = arguments_.textureMemory_MB;
   options.threads = threadCount();
   options.plan = plan_;
+  return options;
+}
+
+std::unique_ptr<const render::PreparedScene> SceneSession::prepareVariant(const scene::SceneDescription& description) {
   Diagnostics warnings;
-  auto prepared = render::prepare(description, registry_, options, warnings);
+  auto prepared = render::prepare(description, registry_, prepareOptions(), warnings);
   if (!scene_) tellWarnings(warnings);
   if (!prepared) {
     accept(prepared.errors());

@@ -25,6 +25,8 @@ class SceneSession {
   bool load();
   /// Compiles shaders and builds all that rendering needs.
   bool prepare();
+  /// In place of the two: everything that is wrong with the scene, told by nobody yet, like its warnings.
+  Diagnostics check();
   /// The same scene with another description; null after errors. Warnings are those of `prepare` and not repeated.
   std::unique_ptr<const render::PreparedScene> prepareVariant(const scene::SceneDescription& description);
 
@@ -44,6 +46,7 @@ class SceneSession {
   const Diagnostics& warnings() const { return warnings_; }
 
  private:
+  render::PrepareOptions prepareOptions() const;
   bool accept(const Diagnostics& diagnostics) const;
   void tellWarnings(const Diagnostics& warnings);
 

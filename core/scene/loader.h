@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,15 @@ struct LoadOptions {
 
 /// Reads a scene file. All errors that could be found come back together; `warnings` gets what is merely doubtful.
 Result<SceneDescription> load(const std::filesystem::path& path, const LoadOptions& options, Diagnostics& warnings);
+
+/// A scene as far as it could be read, and everything that is wrong with it.
+struct Reading {
+  std::optional<SceneDescription> scene;  ///< Not to be rendered when there are errors; none without any content.
+  Diagnostics errors;
+};
+
+/// As `load`, for those who look for more errors in what could be read.
+Reading read(const std::filesystem::path& path, const LoadOptions& options, Diagnostics& warnings);
 
 /// Reads a scene from text. Messages call it `name`; relative file names start from `directory`.
 Result<SceneDescription> loadString(std::string text, const std::string& name, const std::filesystem::path& directory,

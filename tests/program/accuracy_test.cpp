@@ -160,6 +160,35 @@ TEST_F(Accuracy, ADoctorFindsWhatIsWrong) {
   EXPECT_THAT(outcome.out, ContainsRegex("ill.xml: [0-9]+ findings"));
 }
 
+TEST_F(Accuracy, ACheckTellsEverythingAtOnce) {
+  EXPECT_THAT(run({"check", "wisps.xml"}).out, HasSubstr("wisps.xml: no errors, "));
+  folder_.write("broken.ply", "ply\nformat ascii 1.0\nelement vertex many\n");
+  folder_.write("broken.osl", "surface broken() { Ci = diffuse(M); }");
+  const std::string wrong = R"(<scene version="3.0.0">
+  <sensor type="perspective"/>
+  <shape type="ply"><string name="filename" value="broken.ply"/></shape>
+  <shape type="cube"><bsdf type="diffuse"><rgb name="reflectence" value="0.5"/></bsdf></shape>
+  <shape type="cube"><bsdf type="broken"/></shape>
+  <volume type="sphere"><medium type="wisps"><float name="no_such" value="1"/></medium></volume>
+)";
+  // Errors of reading do not hide those of the rest.
+  folder_.write("unread.xml", wrong + "  <shape type=\"cube\"><float name=\"radius\" value=\"1\"/></shape>\n" +
+                                  "  <shape type=\"obj\"><string name=\"filename\" value=\"none.obj\"/></shape>\n" +
+                                  "  <volume type=\"mesh\"><medium type=\"wisps\"/></volume></scene>");
+  const std::vector<std::string> parts = {"broken.ply:3:16: error", "shader 'diffuse' has no parameter 'reflectence'",
+                                          "unknown name 'M'", "shader 'wisps' has no parameter 'no_such'"};
+  const Outcome unread = run({"check", "unread.xml"}, 1);
+  for (const std::string& part : parts) EXPECT_THAT(unread.err, HasSubstr(part));
+  EXPECT_THAT(unread.err, HasSubstr("'radius'"));
+  EXPECT_THAT(unread.err, HasSubstr("there is no file 'none.obj'"));
+  EXPECT_THAT(unread.out, HasSubstr("unread.xml: 7 errors"));
+  folder_.write("unprepared.xml", wrong + "</scene>");
+  const Outcome unprepared = run({"check", "unprepared.xml"}, 1);
+  for (const std::string& part : parts) EXPECT_THAT(unprepared.err, HasSubstr(part));
+  EXPECT_THAT(unprepared.out, HasSubstr("unprepared.xml: 4 errors"));
+  EXPECT_THAT(run({"check", "nowhere.xml"}, 1).err, HasSubstr("the scene cannot be read"));
+}
+
 /// The tasks of a job, run by a shell one after the other as a queue would, and their merge.
 TEST_F(Accuracy, AJobOfTasksIsTheWholeImage) {
   run({"submit", "wisps.xml", "-o", "whole.exr", "--spp", "20", "--tasks", "3", "--folder", "job", "--set",
