@@ -73,7 +73,9 @@ class Query {
 
   bool isValid() const {
     const Double3 o = exact_.origin, d = exact_.direction;
-    return std::isfinite(dot(o, o)) && std::isfinite(dot(d, d)) && dot(d, d) > 0 && !std::isnan(ray_.tMin) &&
+    // Embree squares coordinates; geometry ends long before.
+    constexpr double farthest = 1e18;
+    return dot(o, o) < farthest * farthest && std::isfinite(dot(d, d)) && dot(d, d) > 0 && !std::isnan(ray_.tMin) &&
            !std::isnan(ray_.tMax);
   }
   bool isEmpty() const { return !(begin_ < end_); }

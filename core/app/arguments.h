@@ -68,6 +68,7 @@ struct RenderArguments {
   std::vector<std::string> without;  ///< Effects forced off.
   int threads = 0;                   ///< 0: one a processor.
   int textureMemory_MB = 1024;
+  int loopBudget = 1 << 20;  ///< Rounds of one loop that one point may run.
   bool quiet = false;
   std::string statisticsFile;  ///< JSON; empty: none.
   bool explainCost = false;

@@ -118,7 +118,8 @@ void addBake(CLI::App& program, BakeArguments& bake) {
   };
   addParsed(app, "--time", "T|FIRST,LAST,COUNT", time, "The shader's time in seconds [0], or that of several frames");
   app.add_flag("--half", bake.asHalf, "Keep values as 16-bit floats");
-  addInteger(app, "--threads", bake.threads, 1, "Threads that bake [one a processor]; the file is the same");
+  addInteger(app, "--threads", bake.threads, 1, "Threads that bake [one a processor]; the file is the same",
+             mostThreads);
   addKernelOptions(app, bake.kernels);
   app.add_flag("--quiet,-q", bake.quiet, "No progress; warnings stay");
 }

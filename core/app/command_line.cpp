@@ -110,7 +110,7 @@ void addRender(CLI::App& program, RenderArguments& render) {
   addSamplingOptions(app, render);
   addPartOptions(app, render);
   addInteger(app, "--threads", render.threads, 1,
-             "Threads that prepare and render [one a processor]; the image is the same");
+             "Threads that prepare and render [one a processor]; the image is the same", mostThreads);
   addInteger(app, "--texture-memory", render.textureMemory_MB, 16,
              "Megabytes for decoded texels of all threads [1024]; the image\nis the same");
   addKernelOptions(app, render.kernels);

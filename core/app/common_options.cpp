@@ -46,6 +46,8 @@ void addKernelOptions(CLI::App& app, KernelArguments& kernels) {
 }
 
 void addSceneOptions(CLI::App& app, RenderArguments& render) {
+  addInteger(app, "--loop-budget", render.loopBudget, 1,
+             "Rounds of one loop after which a point leaves it, which is reported [1048576]");
   const auto define = [&render](const std::string& option, const std::string& text) {
     const std::size_t equals = text.find('=');
     if (equals == 0 || equals == std::string::npos) refuse("-D", fmt::format("'{}' is not NAME=VALUE", text));

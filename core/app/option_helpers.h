@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,13 +29,18 @@ CLI::Option* addParsed(CLI::App& app, const std::string& names, const char* valu
       ->option_text(valueName);
 }
 
+/// What no machine has; each thread takes some memory.
+inline constexpr int mostThreads = 4096;
+
 template <class Target>
-CLI::Option* addInteger(CLI::App& app, const std::string& names, Target& target, int minimum, const char* help) {
-  const auto parse = [&target, minimum](const std::string& option, const std::string& text) {
+CLI::Option* addInteger(CLI::App& app, const std::string& names, Target& target, int minimum, const char* help,
+                        int maximum = std::numeric_limits<int>::max()) {
+  const auto parse = [&target, minimum, maximum](const std::string& option, const std::string& text) {
     scene::TextError error;
     const std::optional<int> value = scene::parseInteger(text, error);
     if (!value) refuse(option, fmt::format("'{}' is not an integer", text));
     if (*value < minimum) refuse(option, fmt::format("must be at least {}, not {}", minimum, *value));
+    if (*value > maximum) refuse(option, fmt::format("must be at most {}, not {}", maximum, *value));
     target = *value;
   };
   return addParsed(app, names, "N", parse, help);

@@ -89,7 +89,7 @@ void addStudy(CLI::App& program, StudyArguments& study) {
              "Independent renders of each configuration, which tell bias\nfrom noise [8]");
   addSceneOptions(app, study.render);
   addMethodOptions(app, study.render);
-  addInteger(app, "--threads", study.render.threads, 1, "Threads [one a processor]");
+  addInteger(app, "--threads", study.render.threads, 1, "Threads [one a processor]", mostThreads);
   addKernelOptions(app, study.render.kernels);
   app.add_flag("--quiet,-q", study.render.quiet, "No progress");
 }
@@ -100,7 +100,7 @@ void addScene(CLI::App& app, RenderArguments& render) {
   app.add_option("scene", render.scene, "The scene")->required()->option_text(" ");
   addSceneOptions(app, render);
   addMethodOptions(app, render);
-  addInteger(app, "--threads", render.threads, 1, "Threads [one a processor]");
+  addInteger(app, "--threads", render.threads, 1, "Threads [one a processor]", mostThreads);
   addKernelOptions(app, render.kernels);
 }
 

@@ -124,6 +124,7 @@ render::PrepareOptions SceneSession::prepareOptions() const {
   options.textureMemory_MB = arguments_.textureMemory_MB;
   options.threads = threadCount();
   options.plan = plan_;
+  options.loopBudget = static_cast<std::uint32_t>(arguments_.loopBudget);
   return options;
 }
 

@@ -1,5 +1,7 @@
 #include "core/app/version_command.h"
 
+#include <tbb/version.h>
+
 #include <CLI/Version.hpp>
 #include <string>
 #include <vector>
@@ -46,6 +48,7 @@ ExitCode versionCommand(const Console& console) {
   }
   libraries.push_back(scene::xmlLibraryVersion());
   for (std::string& library : baseLibraryVersions()) libraries.push_back(std::move(library));
+  libraries.push_back(std::string("oneTBB ") + TBB_runtime_version());
   libraries.push_back("CLI11 " CLI11_VERSION);
 
   console.print(std::string("Aerosol ") + programVersion() + "\n");

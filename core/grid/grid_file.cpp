@@ -35,7 +35,9 @@ std::string continuedName(std::string_view path, std::string_view grid, int voxe
   return std::string(path) + std::string(continuation) + std::to_string(voxels) + ":" + std::string(grid);
 }
 
-std::string_view fileOfName(std::string_view name) { return name.substr(0, name.find(continuation)); }
+std::string_view fileOfName(std::string_view name) {
+  return name.substr(0, std::min(name.find(continuation), name.find(unitCubeSuffix)));
+}
 
 bool isGridFile(std::string_view name) {
   const std::string_view path = fileOfName(name);
@@ -56,13 +58,14 @@ Result<std::shared_ptr<const VoxelFile>> readGrids(const std::string& name) {
   std::string message;
   std::string grid;
   int voxels = 0;
-  if (path.size() < name.size()) {
+  const bool isUnit = name.find(unitCubeSuffix, path.size()) != std::string::npos;
+  if (path.size() < name.size() && !isUnit) {
     const std::string rest = name.substr(path.size() + continuation.size());
     const std::size_t colon = rest.find(':');
     std::from_chars(rest.data(), rest.data() + colon, voxels);
     grid = rest.substr(colon + 1);
   }
-  auto file = (*moduleTable())->read(path, grid, voxels, message);
+  auto file = (*moduleTable())->read(path, grid, voxels, isUnit, message);
   if (!file) return Diagnostic{Severity::error, {path, 0, 0}, message, {}, {}};
   return std::shared_ptr<const VoxelFile>(std::move(file));
 }

@@ -16,6 +16,8 @@ bool isGridFile(std::string_view path);
 /// A name for a file of which the vector grid `grid` goes on for `voxels` beyond its active ones, with the values at
 /// its rim: velocities of what is carried out of a cloud. `isGridFile` and `readGrids` take it as they take the file's.
 std::string continuedName(std::string_view path, std::string_view grid, int voxels);
+/// A name for a file whose grids lie in the unit cube, each with the box of its active voxels. Shaders append it too.
+inline constexpr std::string_view unitCubeSuffix = "?unit";
 /// The file's own name of such a name, and of any other.
 std::string_view fileOfName(std::string_view name);
 

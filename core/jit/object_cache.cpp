@@ -35,6 +35,7 @@ class File {
   explicit operator bool() const { return descriptor_ >= 0; }
 
   bool stat(struct stat& status) const { return ::fstat(descriptor_, &status) == 0; }
+  bool allow(mode_t mode) const { return ::fchmod(descriptor_, mode) == 0; }
   bool touch() const { return ::futimens(descriptor_, nullptr) == 0; }
 
   bool read(char* data, std::size_t size) const {
@@ -110,7 +111,7 @@ Result<std::shared_ptr<ObjectCache>> ObjectCache::open(const std::filesystem::pa
   struct stat status{};
   if (!handle || !handle.stat(status)) return folderError(folder, std::generic_category().message(errno));
   if (status.st_uid != ::geteuid()) return folderError(folder, "it belongs to another user");
-  if ((status.st_mode & 0777) != 0700 && ::chmod(folder.c_str(), 0700) != 0) {
+  if ((status.st_mode & 0777) != 0700 && !handle.allow(0700)) {
     return folderError(folder, "others may write to it");
   }
   return std::shared_ptr<ObjectCache>(new ObjectCache(folder, maximumBytes));

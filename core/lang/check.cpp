@@ -1,5 +1,7 @@
 #include "core/lang/check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -57,8 +59,15 @@ std::unique_ptr<CheckedSource> Checker::run(SourceFile& file) {
   result_ = std::make_unique<CheckedSource>();
   scopes_.emplace_back();
   for (const auto& declaration : file.declarations)
-    if (const auto* shader = std::get_if<std::unique_ptr<ShaderDeclaration>>(&declaration))
-      result_->shader = shader->get();
+    if (const auto* shader = std::get_if<std::unique_ptr<ShaderDeclaration>>(&declaration)) {
+      if (result_->shader) {
+        error((*shader)->position, "a file holds one shader, this is a second one",
+              {fmt::format("the first one is '{}'; functions and structs can be shared by #include",
+                           result_->shader->name)});
+      } else {
+        result_->shader = shader->get();
+      }
+    }
   shaderKind_ = result_->shader ? result_->shader->kind : "shader";
   declareGlobals();
   for (auto& declaration : file.declarations) {

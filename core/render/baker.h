@@ -51,7 +51,7 @@ struct BakedBlock {
 struct BakeOptions {
   jit::Compiler* compiler = nullptr;
   jit::Target target;
-  std::uint32_t loopBudget = 1u << 24;
+  std::uint32_t loopBudget = 1u << 20;
 };
 
 /// Counts of one bake.

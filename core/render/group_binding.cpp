@@ -209,10 +209,12 @@ void GroupBuilder::connectFollowers(const lang::GroupLayer& layer, const std::st
   for (const lang::Parameter& other : layer.program->parameters) {
     const std::string follows = metadataText(other, "follows");
     if (!follows.starts_with(parameter + ".")) continue;
-    const std::string output = follows.substr(parameter.size() + 1);
+    const bool isOptional = follows.ends_with('?');
+    const std::string output = follows.substr(parameter.size() + 1, follows.size() - parameter.size() - 1 - isOptional);
     const lang::ParameterNames names(*source.program);
     const auto index = names.findLeaf(output);
     if (!index || !source.program->parameters[*index].isOutput) {
+      if (isOptional) continue;
       errors_.error(location, fmt::format("shader '{}' has no output '{}', which '{}' of shader '{}' needs",
                                           source.program->name, output, other.name, layer.program->name));
       continue;

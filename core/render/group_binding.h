@@ -22,8 +22,8 @@ std::optional<lang::GivenValue> givenValue(const lang::Program& program, const s
 /// What turns normals for the materials inside of it (a bump map, both sides of a sheet) is a surface shader with an
 /// output `normal nested_normal`. A copy of it without its materials comes before them, and that output feeds their
 /// parameter `normal shading_normal`, through whatever lies between. Other conventions are metadata of parameters:
-/// `follows = "map.gradient"` is fed by that output of whatever feeds `map`, and `any_name = 1` takes the nested shader
-/// whose name is no parameter.
+/// `follows = "map.gradient"` is fed by that output of whatever feeds `map` (with a `?` behind it: where there is one),
+/// and `any_name = 1` takes the nested shader whose name is no parameter.
 class GroupBuilder {
  public:
   GroupBuilder(const std::vector<scene::ShaderUse>& layers, shading::ShaderLibrary& library, Diagnostics& warnings)

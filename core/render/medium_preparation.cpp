@@ -79,6 +79,21 @@ std::optional<float> declaredBound(const shading::Family& family, const shading:
   return {};
 }
 
+std::string problemOfDeclaredBound(const lang::Program& program) {
+  for (const lang::MetadataValue& entry : program.metadata) {
+    if (entry.name != "extinction_bound") continue;
+    const auto* names = std::get_if<std::vector<std::string>>(&entry.value);
+    if (!names || names->size() != 1) return "its metadata 'extinction_bound' is not the name of a parameter";
+    const auto parameter = shading::findParameter(program, names->front());
+    const lang::Type* const type = parameter ? &program.parameters[*parameter].type : nullptr;
+    const bool isNumber = type && !type->isArray() && (type->base == lang::BaseType::floating || type->isTriple());
+    if (isNumber) return {};
+    return fmt::format("its metadata 'extinction_bound' names '{}', which is no parameter with a number or a colour",
+                       names->front());
+  }
+  return {};
+}
+
 namespace {
 
 /// Coefficients of a medium that are the same wherever it is: its shader reads nothing that varies, or what it reads

@@ -20,6 +20,8 @@ std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shadin
 /// The bound that a shader declares: metadata `string extinction_bound = "density"` names a float or colour parameter
 /// whose value extinction never exceeds.
 std::optional<float> declaredBound(const shading::Family& family, const shading::Instance& instance);
+/// Why that metadata means nothing; empty where it does, and where there is none.
+std::string problemOfDeclaredBound(const lang::Program& program);
 
 /// Where a medium is.
 struct MediumPlace {

@@ -106,7 +106,7 @@ struct PreparedScene {
     return medium.phase ? *medium.phase : *phase;
   }
   PathSettings path;
-  std::uint32_t loopBudget = 1u << 24;
+  std::uint32_t loopBudget = 1u << 20;
   std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();
 
   const accel::TriangleMesh* meshWithAttributes(shading::InstanceRef shader) const {

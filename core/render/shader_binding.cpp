@@ -137,9 +137,11 @@ std::optional<scene::Value> namedNumber(const lang::Parameter& parameter, const 
 }
 
 bool isOfKind(const scene::ShaderUse& use, const lang::Program& program, std::string_view kind, Diagnostics& errors) {
-  if (program.kind == kind || program.kind == "shader") return true;
-  errors.error(use.nameLocation, fmt::format("'{}' is a {} shader; a {} shader is needed here",
-                                             use.code ? program.name : use.name, program.kind, kind));
+  // A shader of no special kind has no coefficients to give.
+  if (program.kind == kind || (program.kind == "shader" && kind != "volume")) return true;
+  errors.error(use.nameLocation,
+               fmt::format("'{}' is a {}{}; a {} shader is needed here", use.code ? program.name : use.name,
+                           program.kind, program.kind == "shader" ? "" : " shader", kind));
   return false;
 }
 

@@ -40,7 +40,7 @@ class SceneBuilder {
     }
     for (const Element& element : tree_.scene.children) {
       if (element.tag == "shape") readShape(element);
-      if (element.tag == "volume") readVolume(element);
+      if (element.tag == "volume" && !givesValues(element)) readVolume(element);
       if (element.tag == "emitter") readSceneEmitter(element);
     }
     if (!reporter_.failed()) warnOfUnused();
@@ -359,11 +359,15 @@ class SceneBuilder {
     return volume;
   }
 
+  /// Mitsuba's volumes are patterns over space, which feed media; ours are places where media are.
+  static bool givesValues(const Element& volume) { return volume.type == "gridvolume" || volume.type == "constvolume"; }
+
   /// Objects that only matter where they are referred to.
   void warnOfUnused() {
     for (const Element& element : tree_.scene.children) {
       const bool standsAlone = element.tag == "sensor" || element.tag == "integrator" ||
-                               (element.tag == "shape" && element.type != "shapegroup") || element.tag == "volume" ||
+                               (element.tag == "shape" && element.type != "shapegroup") ||
+                               (element.tag == "volume" && !givesValues(element)) ||
                                (element.tag == "emitter" && element.type != "area");
       if (standsAlone || ids_.isUsed(element)) continue;
       const std::string message = element.id.empty()

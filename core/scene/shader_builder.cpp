@@ -14,7 +14,8 @@ namespace {
 
 /// What may stand in a shader element as a layer.
 std::vector<std::string> nestedTags(const std::string& tag) {
-  if (tag == "medium") return {"texture", "medium", "phase"};
+  if (tag == "medium") return {"texture", "medium", "volume", "phase"};
+  if (tag == "texture" || tag == "volume") return {"texture", "volume"};
   return tag == "bsdf" ? std::vector<std::string>{"texture", "bsdf"} : std::vector<std::string>{"texture"};
 }
 

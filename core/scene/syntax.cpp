@@ -266,7 +266,7 @@ class TreeReader {
 
   void readObject(const XmlElement& xml, Element& parent, bool isRoot = false) {
     std::vector<std::string> optional = {"id", "name"};
-    if (isShader(xml.tag)) optional.emplace_back("output");
+    if (isShader(xml.tag) || xml.tag == "volume") optional.emplace_back("output");
     if (isRoot) optional.emplace_back("version");
     const Attributes attributes(xml, {"type"}, optional, context());
     if (const Attribute* version = attributes.find("version")) checkVersion(*version);

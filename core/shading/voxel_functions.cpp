@@ -134,6 +134,11 @@ std::optional<TextureInfo> voxelInfo(ServicesOfThread& services, std::string_vie
     };
     return ints({extent(0), extent(1), extent(2)});
   }
+  if (name == "bounds" && !about.isEmpty && type.base == Base::floating && type.arrayLength == 6 && !type.isTriple &&
+      !type.isMatrix) {
+    for (const double end : about.bounds) info.floats.push_back(static_cast<float>(end));
+    return info;
+  }
   if ((name == "type" || name == "textureformat") && type.base == Base::string && type.arrayLength == 0) {
     info.strings = {"Volume Texture"};
     return info;

@@ -59,7 +59,12 @@ const std::map<std::string, std::string>& lightElements() {
       {"directional", R"(<emitter type="directional"><vector name="direction" x="-0.5" y="-1" z="0.4"/>
           <rgb name="irradiance" value="2"/></emitter>)"},
       {"area", R"(<shape type="rectangle"><transform name="to_world"><scale value="0.6"/><rotate x="1" angle="90"/>
-          <translate y="1.3"/></transform><emitter type="area"><rgb name="radiance" value="3"/></emitter></shape>)"}};
+          <translate y="1.3"/></transform><emitter type="area"><rgb name="radiance" value="3"/></emitter></shape>)"},
+      {"projector", R"(<emitter type="projector"><float name="fov" value="50"/><transform name="to_world">
+          <lookat origin="0.3, 1.4, -0.6" target="0, 0, 0" up="1, 0, 0"/></transform>
+          <rgb name="irradiance" value="4"/></emitter>)"},
+      {"sunsky", R"(<emitter type="sunsky"><vector name="sun_direction" x="0.5" y="1" z="-0.4"/>
+          <float name="sun_scale" value="0"/><float name="sky_scale" value="40"/></emitter>)"}};
   return elements;
 }
 

@@ -145,7 +145,7 @@ TEST(VelocityAgainstStills, IsTheirMean) {
 /// A soft ball of radius 0.5 in voxels of 0.05, and its velocity, stored where the ball is and nowhere else.
 void writeBall(const std::string& path, std::array<float, 3> velocity) {
   const std::array<double, 16> map{0.05, 0, 0, 0, 0, 0.05, 0, 0, 0, 0, 0.05, 0, 0, 0, 0, 1};
-  grid::NewGrid density{"density", 1, map, true, {}}, moves{"vel", 3, map, false, {}};
+  grid::NewGrid density{"density", 1, map, {}, true, {}}, moves{"vel", 3, map, {}, false, {}};
   for (int x = -16; x < 16; x += 8) {
     for (int y = -16; y < 16; y += 8) {
       for (int z = -16; z < 16; z += 8) {

@@ -33,8 +33,20 @@ std::unique_ptr<VoxelGrid> makeGridOrLonger(const openvdb::GridBase& grid, const
   return makeGrid(grid);
 }
 
+/// Lays the box of the active voxels into the unit cube.
+openvdb::GridBase::Ptr inUnitCube(openvdb::GridBase::Ptr grid) {
+  const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
+  if (box.empty()) return grid;
+  const openvdb::Vec3d size = box.extents().asVec3d();
+  openvdb::Mat4d toUnit = openvdb::Mat4d::identity();
+  toUnit.setToTranslation(openvdb::Vec3d(0.5) - box.min().asVec3d());
+  toUnit.postScale(openvdb::Vec3d(1) / size);
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(toUnit));
+  return grid;
+}
+
 std::unique_ptr<const VoxelFile> read(const std::string& path, const std::string& continuedGrid, int voxels,
-                                      std::string& message) {
+                                      bool isUnit, std::string& message) {
   try {
     openvdb::initialize();
     openvdb::logging::setLevel(openvdb::logging::Level::Fatal);
@@ -43,11 +55,13 @@ std::unique_ptr<const VoxelFile> read(const std::string& path, const std::string
     stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     std::vector<std::unique_ptr<VoxelGrid>> grids;
     if (isDenseFile(stream)) {
-      grids.push_back(makeGrid(*readDenseFile(stream)));
+      const auto grid = readDenseFile(stream);
+      grids.push_back(makeGrid(*(isUnit ? inUnitCube(grid) : grid)));
     } else {
       openvdb::io::Stream file(stream, false);
       const auto all = file.getGrids();
-      for (const auto& grid : *all) grids.push_back(makeGridOrLonger(*grid, continuedGrid, voxels));
+      for (const auto& grid : *all)
+        grids.push_back(isUnit ? makeGrid(*inUnitCube(grid)) : makeGridOrLonger(*grid, continuedGrid, voxels));
     }
     if (grids.empty()) {
       message = "the file has no grids";

@@ -12,9 +12,9 @@ namespace aerosol::grid {
 
 struct ModuleTable {
   /// Null, with a message, when the file cannot be read. The vector grid of the name `continued` goes on for `voxels`
-  /// beyond its active ones.
+  /// beyond its active ones; `isUnit` grids have the box of their active voxels in the unit cube.
   std::unique_ptr<const VoxelFile> (*read)(const std::string& path, const std::string& continued, int voxels,
-                                           std::string& message);
+                                           bool isUnit, std::string& message);
   std::vector<std::string> (*versions)();
   /// What went wrong; empty after success.
   std::string (*write)(const std::string& path, std::span<const NewGrid> grids, bool asHalf);

@@ -354,6 +354,38 @@ class IncludeLimit final : public clang::PPCallbacks {
   unsigned entered_ = 0;
 };
 
+/// Macros whose arguments are macros, each with its parameter several times, can grow beyond any memory before one
+/// token comes out: past the limit no macro is expanded any more. What one call makes of an argument is as many copies
+/// as its body has places for it; calls between two tokens are taken for nested ones.
+class ExpansionLimit final : public clang::PPCallbacks {
+ public:
+  explicit ExpansionLimit(clang::Preprocessor& preprocessor) : preprocessor_(preprocessor) {}
+
+  void MacroExpands(const clang::Token&, const clang::MacroDefinition& definition, clang::SourceRange,
+                    const clang::MacroArgs*) override {
+    const clang::MacroInfo* const macro = definition.getMacroInfo();
+    if (!macro || !macro->isFunctionLike()) return;
+    std::map<const clang::IdentifierInfo*, unsigned> places;
+    unsigned most = 1;
+    for (const clang::Token& token : macro->tokens()) {
+      const clang::IdentifierInfo* const name = token.getIdentifierInfo();
+      if (name && macro->getParameterNum(name) >= 0) most = std::max(most, ++places[name]);
+    }
+    copies_ *= most;
+    if (!exceeded()) return;
+    hasExceeded_ = true;
+    preprocessor_.SetMacroExpansionOnlyInDirectives();
+  }
+
+  void tokenCameOut() { copies_ = 1; }
+  bool exceeded() const { return hasExceeded_ || copies_ > 1e6; }
+
+ private:
+  clang::Preprocessor& preprocessor_;
+  double copies_ = 1;
+  bool hasExceeded_ = false;
+};
+
 clang::LangOptions languageOptions() {
   clang::LangOptions options;
   options.C99 = options.C11 = options.C17 = 1;
@@ -406,6 +438,9 @@ class Run {
     auto limit = std::make_unique<IncludeLimit>(preprocessor_);
     includeLimit_ = limit.get();
     preprocessor_.addPPCallbacks(std::move(limit));
+    auto expansions = std::make_unique<ExpansionLimit>(preprocessor_);
+    expansionLimit_ = expansions.get();
+    preprocessor_.addPPCallbacks(std::move(expansions));
     for (std::uint32_t i = 0; i < request.includePathCount; ++i) {
       if (const auto folder = files_.getOptionalDirectoryRef(reference(request.includePaths[i]))) {
         headers_.AddSearchPath(clang::DirectoryLookup(*folder, clang::SrcMgr::C_User, false), true);
@@ -448,6 +483,8 @@ class Run {
       const bool isPragma = !token.isAnnotation() && token.getIdentifierInfo() == pragmaWord_;
       if (isPragma) pragmaOperator(token);
       if (includeLimit_->exceeded()) return stop(token, "too many files are included");
+      if (expansionLimit_->exceeded()) return stop(token, "macros inside of macros grow without end");
+      expansionLimit_->tokenCameOut();
       if (token.is(clang::tok::eof)) {
         client_.end(places_.file(sources_.getFileLoc(token.getLocation())));
         return true;
@@ -535,6 +572,7 @@ class Run {
   clang::TrivialModuleLoader modules_;
   clang::Preprocessor preprocessor_;
   IncludeLimit* includeLimit_ = nullptr;
+  ExpansionLimit* expansionLimit_ = nullptr;
   const clang::IdentifierInfo* pragmaWord_ = preprocessor_.getIdentifierInfo("_Pragma");
   clang::SourceLocation lastExpansion_;
   Place lastDefinition_;

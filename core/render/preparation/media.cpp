@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -24,6 +25,11 @@ const volume::Medium* placeMedium(Preparation& state, scene::Index index, const 
   if (!bound) {
     state.appendNew(bound.errors());
     return nullptr;
+  }
+  const std::string problem = problemOfDeclaredBound(*state.scene->shading.family(*bound).program);
+  const auto isThis = [&](const Diagnostic& known) { return known.location == shader.nameLocation; };
+  if (!problem.empty() && std::ranges::none_of(state.warnings.entries(), isThis)) {
+    state.warnings.warning(shader.nameLocation, fmt::format("shader '{}': {}", shader.name, problem), {});
   }
   volume::Medium& medium = state.scene->media.emplace_back();
   if (const auto& phase = state.description.media[index].phase) {

@@ -79,7 +79,7 @@ void placeVelocity(Preparation& state, const scene::Volume& volume, std::uint32_
   const SourceLocation& location = volume.origin.of(blur.grid.empty() ? "velocity" : "velocity_grid");
   if (!blur.grid.empty()) {
     const shading::Instance& placed = state.scene->shading.instance(shader);
-    auto bound = bindShader(velocityShader(state, volume, location), "volume", placed.objectToWorld,
+    auto bound = bindShader(velocityShader(state, volume, location), "shader", placed.objectToWorld,
                             state.shaderSources(), state.scene->shading, state.warnings);
     if (!bound) return state.appendNew(bound.errors());
     const auto motion = state.scene->shading.instance(shader).motion;
