@@ -48,7 +48,23 @@ void Lowering::emitNativeCall(const Instruction& instruction, bool varies) {
     for (const Kind kind : resultKinds) zeros.push_back(variables_.zero(kind));
     values.push_back(argumentMemory(zeros, varies));
   }
-  for (std::size_t i = 0; i < instruction.arguments.size(); ++i) values.push_back(hostArgument(instruction, i, varies));
+  // What is written to lanes that make no call is not used: arrays are written to copies.
+  const auto copyOf = [&](lang::VariableId argument) {
+    const llvm::ArrayRef<Kind> element = variables_.kinds(argument);
+    const auto length = static_cast<unsigned>(program_.variables[argument].type.arrayLength);
+    return ArrayMemory{variables_.memory(element, length, varies, "native.array"), element, length, varies};
+  };
+  std::vector<std::pair<lang::VariableId, ArrayMemory>> copies;
+  for (std::size_t i = 0; i < instruction.arguments.size(); ++i) {
+    const lang::VariableId argument = instruction.arguments[i];
+    if (!variables_.isArray(argument) || !lang::writesArgument(program_, instruction, i)) {
+      values.push_back(hostArgument(instruction, i, varies));
+      continue;
+    }
+    copies.emplace_back(argument, copyOf(argument));
+    copyElements(copies.back().second, variables_.array(argument), nullptr);
+    values.push_back(copies.back().second.base);
+  }
   llvm::Type* const pointer = e_.ir.getPtrTy();
   auto* const type = llvm::FunctionType::get(e_.ir.getVoidTy(), {pointer, pointer}, false);
   const llvm::FunctionCallee function =
@@ -56,10 +72,12 @@ void Lowering::emitNativeCall(const Instruction& instruction, bool varies) {
   e_.ir.CreateCall(function, {lanesOfCall(varies), pointerTable(values)})->setDoesNotThrow();
   if (hasResult) write(instruction, instruction.result, loadValue(values[0], resultKinds, varies));
   for (std::size_t i = 0; i < instruction.arguments.size(); ++i) {
-    if (!lang::writesArgument(program_, instruction, i)) continue;
     const lang::VariableId argument = instruction.arguments[i];
+    if (!lang::writesArgument(program_, instruction, i) || variables_.isArray(argument)) continue;
     write(instruction, argument, loadValue(values[i + (hasResult ? 1 : 0)], variables_.kinds(argument), varies));
   }
+  const Mask lanes = mask();
+  for (const auto& [argument, copy] : copies) copyElements(variables_.array(argument), copy, varies ? &lanes : nullptr);
 }
 
 /// Whether something is known of the results over boxes.

@@ -14,12 +14,17 @@ const Metadata* nativeEntry(const FunctionDeclaration& function) {
   return function.body || found == function.metadata.end() ? nullptr : &*found;
 }
 
-std::string signatureOf(const FunctionDeclaration& function) {
+/// What one argument is to the plugin: the field of a structure, or the argument itself.
+struct NativeArgument {
+  VariableId variable = noVariable;
+  Type type;
+  bool isOutput = false;
+};
+
+std::string signatureOf(const FunctionDeclaration& function, const std::vector<NativeArgument>& arguments) {
   std::string text = toString(function.type) + " " + function.name + "(";
-  for (std::size_t i = 0; i < function.parameters.size(); ++i) {
-    const VariableDeclaration& parameter = *function.parameters[i];
-    text += (i > 0 ? "," : "") + std::string(parameter.isOutput ? "output " : "") + toString(parameter.type);
-  }
+  for (std::size_t i = 0; i < arguments.size(); ++i)
+    text += (i > 0 ? "," : "") + std::string(arguments[i].isOutput ? "output " : "") + toString(arguments[i].type);
   return text + ")";
 }
 
@@ -39,20 +44,35 @@ Value Lowerer::callNative(const FunctionDeclaration& function, const std::vector
     error(entry.position, "plugins cannot be used here");
     return nothing();
   }
-  std::vector<VariableId> ids;
-  std::uint32_t outputs = 0;
+  const bool isPlainResult = !function.type.closure && !function.type.isArray();
+  if (!isPlainResult || function.type.base == BaseType::structure) {
+    error(function.position, "a plugin's function gives no " + toString(function.type));
+    return nothing();
+  }
+  std::vector<NativeArgument> leaves;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const VariableDeclaration& formal = *function.parameters[i];
-    const bool isPlain = !formal.type.closure && formal.type.base != BaseType::structure;
-    if (!isPlain || (formal.type.isArray() && (formal.isOutput || formal.type.arrayLength == Type::unsized))) {
-      error(formal.position, "a plugin's function takes no " + std::string(formal.isOutput ? "output " : "") +
-                                 "parameter of type " + toString(formal.type));
+    std::vector<Leaf> fields;
+    flatten(formal.type, fields);
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      if (fields[k].type.closure) {
+        error(formal.position, "a plugin's function takes no parameter of type " + toString(formal.type));
+        return nothing();
+      }
+      leaves.push_back({arguments[i].leaves[k], fields[k].type, formal.isOutput});
+    }
+  }
+  std::vector<VariableId> ids;
+  std::uint32_t outputs = 0;
+  for (const NativeArgument& leaf : leaves) {
+    if (leaf.isOutput && ids.size() >= 32) {
+      error(position, "a plugin's function has its outputs among its first 32 arguments");
       return nothing();
     }
-    if (formal.isOutput) outputs |= 1u << std::min<std::size_t>(i, 31);
-    ids.push_back(arguments[i].single());
+    if (leaf.isOutput) outputs |= 1u << ids.size();
+    ids.push_back(leaf.variable);
   }
-  auto found = natives_->find(plugin->value, signatureOf(function), sourceMap_.location(function.position));
+  auto found = natives_->find(plugin->value, signatureOf(function, leaves), sourceMap_.location(function.position));
   if (!found) {
     if (reported_.insert(function.position).second) diagnostics_.append(found.errors());
     failed_ = true;

@@ -70,7 +70,7 @@ std::optional<std::string> nativeSignature(std::string_view declaration) {
     if (peek() != "," && peek() != ")" && peek() != "[") next();
     if (peek() == "[") {
       next();
-      const std::string length = next();
+      const std::string length = peek() == "]" ? std::string() : next();
       if (next() != "]") return {};
       signature += "[" + length + "]";
     }

@@ -56,8 +56,11 @@ typedef void (*AerosolEvaluate)(const AerosolLanes* lanes, void* const* values);
  * bounded by it counts as declared, not as proven. */
 typedef void (*AerosolRange)(const AerosolLanes* lanes, void* const* low, void* const* high);
 
+/* A declaration is as in a shader: "float gear_distance(point p, int teeth)". A shader's structure is its fields, one
+ * argument each, and an array of structures an array of each field. An array without a length ("float sum(int n, float
+ * x[])") takes arrays of every length, which the function does not see: let the shader pass it beside. */
 typedef struct AerosolShaderFunction {
-  const char* declaration; /* as in a shader: "float gear_distance(point p, int teeth)" */
+  const char* declaration;
   AerosolEvaluate evaluate;
   AerosolRange range; /* may be null: then nothing is known of the results over boxes */
 } AerosolShaderFunction;

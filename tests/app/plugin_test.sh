@@ -96,6 +96,58 @@ said out "0 "
 said out "-1 none"
 said err "there is no word"
 
+echo "-- arrays and structures, from both kinds of plugins"
+cat >curve.c <<'C'
+#include "aerosol_shader.h"
+/* Knots are moved by what is left of the bend, and their sum is given back. */
+static void bend(const AerosolLanes* lanes, void* const* values) {
+  const uint32_t n = lanes->count;
+  float* const sum = values[0];
+  const int32_t* const length = values[1];
+  float* const knots = values[2];
+  const float* const by = values[3];
+  const float* const tints = values[4]; /* color tints[2] */
+  for (uint32_t i = 0; i < n; ++i) {
+    sum[i] = 0;
+    for (int32_t k = 0; k < length[i]; ++k) {
+      knots[(uint32_t)k * n + i] += by[i];
+      sum[i] += knots[(uint32_t)k * n + i] * tints[((uint32_t)k % 2 * 3 + 1) * n + i];
+    }
+  }
+}
+static const AerosolShaderFunction functions[] = {
+    {"float bend(int n, output float knots[], float by, color tints[2])", bend, 0}};
+AEROSOL_SHADER_EXPORT const AerosolShaderPlugin aerosol_shader_plugin = {
+    AEROSOL_SHADER_ABI, sizeof(AerosolShaderPlugin), "curve", 1, functions, 0, 0};
+C
+cat >bend.osl <<'OSL'
+struct shape { float by; color tints[2]; };
+float bend(int n, output float knots[], shape how) [[ string native = "curve" ]];
+shader bend() {
+  float knots[3] = {1, 2, u}, others[5] = {1, 1, 1, 1, 1};
+  shape how = {10, {color(0, 1, 0), color(9, v + 2, 9)}};
+  float sum = -1;
+  if (u < 0.7) sum = bend(3, knots, how);
+  printf("%g: %g, %g %g %g; ", u, sum, knots[0], knots[1], knots[2]);
+  printf("%g %g\n", bend(arraylength(others), others, how), others[4]);
+}
+OSL
+clang-19 -I "$sdk" -shared -fPIC -fvisibility=hidden -o curve.so curve.c
+expect 0 shade --no-cache -g 3 1 bend
+cp out object_out
+said out "0: 51, 11 12 10; 88 11"
+said out "0.5: 51.5, 11 12 10.5; 88 11"
+said out "1: -1, 1 2 1; 88 11"
+rm curve.so
+clang-19 -I "$sdk" -O2 -fno-math-errno -fno-vectorize -fno-unroll-loops -emit-llvm -c -o curve.bc curve.c
+for width in 16 8 1; do
+  expect 0 shade --width $width --no-cache -g 3 1 bend
+  cmp -s out object_out || fail "bitcode differs from the object at width $width"
+done
+printf 'float bend(int n, float knots[], closure color c) [[ string native = "curve" ]];\nshader use() { float k[1]; printf("%%g", bend(1, k, emission())); }\n' >use.osl
+expect 1 compile use.osl
+said err "use.osl:1:48: error: a plugin's function takes no parameter of type closure color"
+
 echo "-- bitcode from source"
 mkdir made
 expect 0 compile -o made/gear.bc "$sdk/examples/gear.cpp"
