@@ -82,6 +82,13 @@ class NumberDomain {
     return number;
   }
 
+  /// The number where it is known to be at most `limit` (or at least). `ordered`: neither is NaN then; otherwise NaN is
+  /// possible as before, and where the limit may be NaN nothing is known. Exact domains need no such knowledge.
+  virtual Number limited(const Number& number, const Number& limit, bool above, bool ordered) {
+    static_cast<void>(limit), static_cast<void>(above), static_cast<void>(ordered);
+    return number;
+  }
+
   /// Lanes of an int outside [0, length).
   virtual llvm::Value* outside(const Number& index, unsigned length) = 0;
   virtual Number clampIndex(const Number& index, unsigned length) = 0;

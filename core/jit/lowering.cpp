@@ -20,6 +20,12 @@ bool isTarget(const Instruction& construct, const Instruction& exit) {
   return construct.op == Op::loop;
 }
 
+bool hasExits(const Code& code) {
+  return std::any_of(code.begin(), code.end(), [](const Instruction& instruction) {
+    return lang::isExit(instruction.op) || std::ranges::any_of(instruction.bodies, hasExits);
+  });
+}
+
 bool mustBeSkipped(const lang::Program& program, std::span<const Instruction> code) {
   return std::any_of(code.begin(), code.end(), [&](const Instruction& instruction) {
     if (instruction.op == Op::loop || instruction.op == Op::message) return true;
@@ -124,6 +130,7 @@ llvm::Value* Lowering::mustAfter(llvm::Value* mustBefore, llvm::Value* may, bool
 
 void Lowering::emit(const Code& code, bool maySkip) {
   llvm::BasicBlock* end = nullptr;
+  std::vector<lang::VariableId> cut;
   countSegment(code, 0);
   for (std::size_t i = 0; i < code.size(); ++i) {
     const Instruction& instruction = code[i];
@@ -143,7 +150,9 @@ void Lowering::emit(const Code& code, bool maySkip) {
       e_.ir.SetInsertPoint(remaining);
     }
     countSegment(code, i + 1);
+    learnFromExit(instruction, rest, cut);
   }
+  forget(cut);
   if (end) e_.enter(end);
 }
 
@@ -193,6 +202,7 @@ void Lowering::emitSides(const Instruction& instruction, llvm::Value* condition)
     emit(instruction.bodies[known->isZero() ? 1 : 0]);
     return;
   }
+  const Sometimes nested(variables_);
   llvm::BasicBlock* const yes = e_.block("yes");
   llvm::BasicBlock* const no = e_.block("no");
   llvm::BasicBlock* const end = e_.block("joined");
@@ -214,14 +224,13 @@ void Lowering::emitMaskedSides(const Instruction& instruction, const Number& con
   if (leavesTrue || isLeftOut(instruction, DearPart::Place::whenFalse)) {
     e_.ir.CreateStore((leavesTrue ? whenTrue : whenFalse).may, stopped_);
     const Mask& other = leavesTrue ? whenFalse : whenTrue;
-    llvm::Value* const through =
-        emitMaskedSide(instruction.bodies[leavesTrue ? 1 : 0], other, exitsOf(instruction).passing);
+    llvm::Value* const through = emitMaskedSide(instruction, !leavesTrue, other);
     setMask({through, through});
     return;
   }
   const bool passing = exitsOf(instruction).passing;
-  llvm::Value* const yes = emitMaskedSide(instruction.bodies[0], whenTrue, passing);
-  llvm::Value* const no = emitMaskedSide(instruction.bodies[1], whenFalse, passing);
+  llvm::Value* const yes = emitMaskedSide(instruction, true, whenTrue);
+  llvm::Value* const no = emitMaskedSide(instruction, false, whenFalse);
   if (!passing) {
     setMask(before);
     return;
@@ -231,11 +240,14 @@ void Lowering::emitMaskedSides(const Instruction& instruction, const Number& con
 }
 
 /// Gives the lanes that come out at the end.
-llvm::Value* Lowering::emitMaskedSide(const Code& code, const Mask& mask, bool passing) {
+llvm::Value* Lowering::emitMaskedSide(const Instruction& branch, bool holds, const Mask& mask) {
+  const Code& code = branch.bodies[holds ? 0 : 1];
+  const bool passing = exitsOf(branch).passing;
+  const Sometimes nested(variables_);
   if (code.empty()) return mask.may;
   if (cost_.of(code) <= skipThreshold && !mustBeSkipped(program_, code)) {
     setMask(mask);
-    emit(code);
+    emitUnder(branch, holds);
     return passing ? this->mask().may : mask.may;
   }
   llvm::BasicBlock* const side = e_.block("side");
@@ -245,7 +257,7 @@ llvm::Value* Lowering::emitMaskedSide(const Code& code, const Mask& mask, bool p
   e_.ir.CreateCondBr(e_.any(mask.may), side, end);
   e_.ir.SetInsertPoint(side);
   setMask(mask);
-  emit(code);
+  emitUnder(branch, holds);
   if (remaining) e_.ir.CreateStore(this->mask().may, remaining);
   e_.enter(end);
   return remaining ? e_.ir.CreateLoad(e_.maskType(), remaining) : mask.may;
@@ -261,7 +273,10 @@ void Lowering::emitScope(const Instruction& instruction) {
     e_.ir.CreateStore(e_.noLanes(), target.left);
   }
   targets_.push_back(target);
+  std::optional<Sometimes> nested;
+  if (hasExits(instruction.bodies[0])) nested.emplace(variables_);
   emit(instruction.bodies[0]);
+  nested.reset();
   e_.enter(target.end);
   emitTargetEnd(before);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -57,6 +58,14 @@ class Lowering {
     bool continued = false;  ///< Some masked exit leads to its own step.
   };
 
+  /// A comparison that has been emitted, or a combination of some: in the innermost loop around it, and how often what
+  /// it compares had been written by then.
+  struct Test {
+    const lang::Instruction* instruction = nullptr;
+    const lang::Instruction* loop = nullptr;
+    std::vector<unsigned> writes;
+  };
+
   // lowering.cpp: control flow
   void findExits(const lang::Code& code, std::vector<const lang::Instruction*>& enclosing);
   void emit(const lang::Code& code, bool maySkip = true);
@@ -65,7 +74,7 @@ class Lowering {
   void emitBranch(const lang::Instruction& instruction);
   void emitSides(const lang::Instruction& instruction, llvm::Value* condition);
   void emitMaskedSides(const lang::Instruction& instruction, const Number& condition);
-  llvm::Value* emitMaskedSide(const lang::Code& code, const Mask& mask, bool passing);
+  llvm::Value* emitMaskedSide(const lang::Instruction& branch, bool holds, const Mask& mask);
   void emitScope(const lang::Instruction& instruction);
   void emitExit(const lang::Instruction& instruction);
   void emitTargetEnd(const Mask& before);
@@ -77,6 +86,31 @@ class Lowering {
   llvm::AllocaInst* maskSlot(const char* name);
   void addLanes(llvm::AllocaInst* slot, llvm::Value* lanes);
   llvm::Value* mustAfter(llvm::Value* mustBefore, llvm::Value* may, bool atStep = false);
+
+  /// Emits code that does not always run, or behind which not all runs that has been emitted in it.
+  class Sometimes {
+   public:
+    explicit Sometimes(Variables& variables) : variables_(variables) { variables_.beginSometimes(); }
+    ~Sometimes() { variables_.endSometimes(); }
+    Sometimes(const Sometimes&) = delete;
+    Sometimes& operator=(const Sometimes&) = delete;
+
+   private:
+    Variables& variables_;
+  };
+
+  // lowering_conditions.cpp
+  const lang::Instruction* innermostLoop() const;
+  void rememberTest(const lang::Instruction& instruction);
+  void learn(lang::VariableId condition, bool holds, llvm::function_ref<bool(lang::VariableId)> concerns,
+             std::vector<lang::VariableId>& cut);
+  void learnComparison(const lang::Instruction& test, bool holds, llvm::function_ref<bool(lang::VariableId)> concerns,
+                       std::vector<lang::VariableId>& cut);
+  void forget(const std::vector<lang::VariableId>& cut);
+  void emitUnder(const lang::Instruction& branch, bool holds);
+  void learnFromExit(const lang::Instruction& branch, std::span<const lang::Instruction> rest,
+                     std::vector<lang::VariableId>& cut);
+  Value readUnder(lang::VariableId condition, bool holds, lang::VariableId operand);
 
   // lowering_loops.cpp
   void emitLoop(const lang::Instruction& instruction);
@@ -183,6 +217,7 @@ class Lowering {
   llvm::AllocaInst* stopped_ = nullptr;  ///< Null where nothing is left out.
   std::vector<Target> targets_;
   std::unordered_map<const lang::Instruction*, Exits> exits_;
+  std::unordered_map<lang::VariableId, Test> tests_;
   std::unordered_set<lang::VariableId> objectMatrices_;  ///< Temporaries that hold the map from world to object space.
   llvm::Function* recordFunction_ = nullptr;
 };

@@ -18,6 +18,7 @@ constexpr std::uint32_t roundsBeforeWidening = 512;
 }  // namespace
 
 void Lowering::emitLoop(const Instruction& instruction) {
+  const Sometimes nested(variables_);
   const Mask before = mask();
   const Exits exits = exitsOf(instruction);
   Target target{&instruction, e_.block("loop.end"), e_.block("loop.step")};

@@ -79,6 +79,7 @@ void Lowering::emitOperation(const Instruction& instruction) {
       break;
   }
   write(instruction, instruction.result, operate(instruction));
+  rememberTest(instruction);
 }
 
 Value Lowering::operate(const Instruction& instruction) {
@@ -170,8 +171,8 @@ Value Lowering::multiplyMatrices(const Value& a, const Value& b) {
 
 Value Lowering::selectValue(const Instruction& instruction) {
   const Number condition = number(instruction.arguments[0]);
-  const Value a = variables_.read(instruction.arguments[1]);
-  const Value b = variables_.read(instruction.arguments[2]);
+  const Value a = readUnder(instruction.arguments[0], true, instruction.arguments[1]);
+  const Value b = readUnder(instruction.arguments[0], false, instruction.arguments[2]);
   Value result;
   for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i)
     result.push_back(select(condition, at(a, i), at(b, i)));

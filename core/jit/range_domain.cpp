@@ -161,6 +161,25 @@ class RangeDomain final : public NumberDomain {
     return call(Kind::floating, "meet_ff", {number, known()});
   }
 
+  Number limited(const Number& number, const Number& limit, bool above, bool ordered) override {
+    const unsigned end = above ? 1 : 0;
+    if (number.kind == Kind::integer) {
+      Number result = number;
+      llvm::Value* const cut = e_.ir.CreateBinaryIntrinsic(above ? llvm::Intrinsic::smin : llvm::Intrinsic::smax,
+                                                           number.parts[end], limit.parts[end]);
+      llvm::Value* const isThere =
+          above ? e_.ir.CreateICmpSLE(number.parts[0], cut) : e_.ir.CreateICmpSGE(number.parts[1], cut);
+      result.parts[end] = e_.ir.CreateSelect(isThere, cut, number.parts[end]);
+      return result;
+    }
+    Number known = anything(Kind::floating);
+    llvm::Value* const unknown = isSet(limit.parts[nanPart]);
+    known.parts[end] = ordered ? limit.parts[end] : e_.ir.CreateSelect(unknown, known.parts[end], limit.parts[end]);
+    Number result = call(Kind::floating, "meet_ff", {number, known});
+    if (ordered) result.parts[nanPart] = e_.zero(partType(Kind::floating, nanPart));
+    return result;
+  }
+
   llvm::Value* outside(const Number& index, unsigned length) override {
     llvm::Value* const below = e_.ir.CreateICmpSLT(index.parts[0], e_.zero(index.parts[0]->getType()));
     return e_.ir.CreateOr(below, e_.ir.CreateICmpSGE(index.parts[1], e_.splat(e_.ir.getInt32(length))));

@@ -35,6 +35,7 @@ Variables::Variables(Emitter& emitter, NumberDomain& domain, KernelFrame& frame,
                      const lang::Program& program, const lang::Uniformity& uniformity)
     : e_(emitter), domain_(domain), frame_(frame), interface_(interface), program_(program), uniformity_(uniformity) {
   for (const lang::Variable& variable : program.variables) kinds_.push_back(kindsOf(variable.type));
+  writes_.resize(program.variables.size());
 }
 
 llvm::ArrayRef<Kind> Variables::kinds(VariableId id) { return kinds_[id]; }
@@ -92,6 +93,8 @@ Value Variables::initial(VariableId id) {
 
 Value Variables::read(VariableId id) {
   assert(!isArray(id));
+  if (!narrowed_.empty())
+    if (const auto it = narrowed_.find(id); it != narrowed_.end()) return it->second.back();
   if (isDirect(id)) {
     const auto [it, isNew] = values_.insert({id, {}});
     if (isNew) it->second = initial(id);
@@ -104,13 +107,24 @@ Value Variables::read(VariableId id) {
   return value;
 }
 
+/// Where everything that is emitted from now on finds it. Beside the first use is better than at the start of the
+/// chunk: lifting a slot into registers takes a search through the block for each slot that is used in several blocks.
+template <class Function>
+void Variables::beforeUse(Function&& emit) {
+  if (sometimes_ == 0) {
+    emit();
+  } else {
+    frame_.atChunkStart(emit);
+  }
+}
+
 std::vector<llvm::AllocaInst*>& Variables::slots(VariableId id) {
   const auto [it, isNew] = slots_.insert({id, {}});
   if (!isNew) return it->second;
   const bool varies = isVarying(id);
   for (const Kind kind : kinds_[id]) it->second.push_back(memory({kind}, 1, varies, "variable"));
   const Value start = initial(id);
-  frame_.atChunkStart([&] {
+  beforeUse([&] {
     for (std::size_t i = 0; i < start.size(); ++i) {
       domain_.store(varies ? domain_.varying(start[i]) : start[i], it->second[i]);
     }
@@ -120,6 +134,8 @@ std::vector<llvm::AllocaInst*>& Variables::slots(VariableId id) {
 
 void Variables::write(VariableId id, const Value& value, const Mask* blend) {
   assert(value.size() == kinds_[id].size());
+  assert(!narrowed_.contains(id));
+  ++writes_[id];
   if (isDirect(id)) {
     values_[id] = value;
     return;
@@ -177,7 +193,7 @@ ArrayMemory Variables::array(VariableId id) {
   const bool varies = isVarying(id);
   it->second = {memory(element, length, varies, "array"), element, length, varies};
   const Value given = field ? frame_.field(*field) : Value();
-  frame_.atChunkStart([&] { initialiseArray(id, it->second, given); });
+  beforeUse([&] { initialiseArray(id, it->second, given); });
   return it->second;
 }
 
@@ -197,6 +213,12 @@ void Variables::initialiseArray(VariableId id, const ArrayMemory& array, Value s
     const Number number = array.varying ? domain_.varying(start[i]) : start[i];
     domain_.store(number, e_.pointerAt(array.base, offsetOf(array, i / components, i % components)));
   }
+}
+
+void Variables::endNarrow(VariableId id) {
+  const auto it = narrowed_.find(id);
+  it->second.pop_back();
+  if (it->second.empty()) narrowed_.erase(it);
 }
 
 void Variables::widen(VariableId id, const Mask& mask) {

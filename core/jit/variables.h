@@ -25,6 +25,16 @@ class Variables {
   /// Sets it, for the lanes of the mask only where one is given.
   void write(lang::VariableId id, const Value& value, const Mask* blend);
   ArrayMemory array(lang::VariableId id);
+  /// How often it has been written in the code so far.
+  unsigned writesSoFar(lang::VariableId id) const { return writes_[id]; }
+
+  /// Until `endNarrow`, reads give this value, which is known of what nothing writes in between. They nest.
+  void narrow(lang::VariableId id, Value value) { narrowed_[id].push_back(std::move(value)); }
+  void endNarrow(lang::VariableId id);
+
+  /// From here to `endSometimes`, what is emitted does not always run before what is emitted later. They nest.
+  void beginSometimes() { ++sometimes_; }
+  void endSometimes() { --sometimes_; }
 
   /// Any value becomes possible in the lanes of the mask.
   void widen(lang::VariableId id, const Mask& mask);
@@ -45,6 +55,8 @@ class Variables {
   std::vector<llvm::AllocaInst*>& slots(lang::VariableId id);
   ArrayMemory constantArray(const lang::Variable& variable, llvm::ArrayRef<Kind> element);
   void initialiseArray(lang::VariableId id, const ArrayMemory& array, Value start);
+  template <class Function>
+  void beforeUse(Function&& emit);
 
   Emitter& e_;
   NumberDomain& domain_;
@@ -54,7 +66,10 @@ class Variables {
   const lang::Uniformity& uniformity_;
 
   std::vector<llvm::SmallVector<Kind, 4>> kinds_;
+  unsigned sometimes_ = 0;
+  std::vector<unsigned> writes_;
   std::map<lang::VariableId, Value> values_;
+  std::map<lang::VariableId, std::vector<Value>> narrowed_;
   std::map<lang::VariableId, std::vector<llvm::AllocaInst*>> slots_;
   std::map<lang::VariableId, ArrayMemory> arrays_;
 };
