@@ -53,6 +53,18 @@ OCIO=$work/no_such_config.ocio expect 1 render "$input/fog.xml" -o a.png
 said err "a.png: error:"
 hasOnly ""
 
+echo "-- strange input"
+sed 's/type="fog" id="fog"/type="constvolume"/' "$input/fog.xml" >kind.xml
+expect 1 render kind.xml
+said err "'constvolume' is a shader; a volume shader is needed here"
+expect 2 render "$input/fog.xml" --threads 100000
+said err "must be at most 4096"
+sed 's/Ci =/float n = 1;\n  for (int i = 0; P[0] < 1e9; i += 1) n *= 0.5;\n  Ci = (1 + n) */; s/volume fog/volume endless/' "$input/fog.osl" >endless.osl
+sed 's/type="fog" id="fog"/type="endless"/' "$input/fog.xml" >endless.xml
+expect 0 render endless.xml -o a.exr --spp 1 --crop 14,10,4,4 --loop-budget 100 --quiet
+said err "endless.osl"
+rm kind.xml endless.osl endless.xml a.exr
+
 echo "-- the shader path of the environment"
 mkdir shaders
 sed 's/volume fog/volume mist/' "$input/fog.osl" >shaders/mist.osl

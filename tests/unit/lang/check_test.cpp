@@ -95,11 +95,9 @@ TEST(Check, HasNoWordsForWhatThePragmaSilences) {
               ElementsAre(HasSubstr("warning: 'a' hides another variable")));
 }
 
-TEST(Check, TakesTheLastShaderOfAFile) {
-  const auto compiled = compileString("surface a() {}\nvolume b() {}", "t", options());
-  ASSERT_TRUE(compiled) << format(compiled.errors());
-  EXPECT_EQ(compiled->program->name, "b");
-  EXPECT_TRUE(compiled->program->isVolume());
+TEST(Check, AFileHasOneShader) {
+  EXPECT_THAT(messages("surface a() {}\nvolume b() {}"),
+              ElementsAre(HasSubstr("2:8: a file holds one shader, this is a second one")));
 }
 
 TEST(Check, SurvivesDeepNesting) {
