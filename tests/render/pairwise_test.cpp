@@ -63,7 +63,7 @@ const std::map<std::string, std::string>& lightElements() {
       {"projector", R"(<emitter type="projector"><float name="fov" value="50"/><transform name="to_world">
           <lookat origin="0.3, 1.4, -0.6" target="0, 0, 0" up="1, 0, 0"/></transform>
           <rgb name="irradiance" value="4"/></emitter>)"},
-      {"sunsky", R"(<emitter type="sunsky"><vector name="sun_direction" x="0.5" y="1" z="-0.4"/>
+      {"sunsky", R"(<emitter type="sunsky"><vector name="sun_direction" x="0.5" y="-0.4" z="1"/>
           <float name="sun_scale" value="0"/><float name="sky_scale" value="40"/></emitter>)"}};
   return elements;
 }
