@@ -12,9 +12,9 @@ namespace aerosol::render {
 /// not sound (NaN, infinite, negative) make it count as varying, so that they are reported where they occur.
 std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& scene, const volume::Medium& medium);
 
-/// Weights of a surface shader's closures, when they do not vary.
 /// The closures of one point, outside of any render.
 SurfaceAnswer askSurface(const PreparedScene& scene, shading::InstanceRef shader, const shading::ShadingPoint& point);
+/// Weights of a surface shader's closures, when they do not vary.
 std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shading::InstanceRef shader);
 
 /// The bound that a shader declares: metadata `string extinction_bound = "density"` names a float or colour parameter
