@@ -37,13 +37,6 @@ struct SampleRange {
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
 };
 
-/// What EXR files may hold beside the picture.
-enum class Aov : std::uint8_t {
-  error,    ///< Standard error of each colour.
-  samples,  ///< Samples of the pixel.
-  cost      ///< Points at which shaders were run, a sample.
-};
-
 struct RenderArguments {
   std::filesystem::path scene;
   std::vector<std::string> outputs;
@@ -62,11 +55,11 @@ struct RenderArguments {
   bool keepSums = false;               ///< EXR files keep what joining and carrying on need.
   double checkpointSeconds = 30;       ///< 0: none.
   bool resume = false;
-  double targetError = 0;  ///< Relative, of the image; 0: all samples are rendered.
-  double timeLimit = 0;    ///< Seconds; 0: none.
-  std::vector<Aov> aovs;
-  std::vector<std::string> without;  ///< Effects forced off.
-  int threads = 0;                   ///< 0: one a processor.
+  double targetError = 0;               ///< Relative, of the image; 0: all samples are rendered.
+  double timeLimit = 0;                 ///< Seconds; 0: none.
+  std::vector<scene::AovRequest> aovs;  ///< Beside those that the scene asks for.
+  std::vector<std::string> without;     ///< Effects forced off.
+  int threads = 0;                      ///< 0: one a processor.
   int textureMemory_MB = 1024;
   int loopBudget = 1 << 20;  ///< Rounds of one loop that one point may run.
   bool quiet = false;

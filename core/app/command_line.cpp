@@ -10,6 +10,7 @@
 #include "core/app/option_helpers.h"
 #include "core/app/tools/tool.h"
 #include "core/base/diagnostic.h"
+#include "core/scene/integrator_reader.h"
 #include "core/scene/value.h"
 
 namespace aerosol::app {
@@ -91,13 +92,6 @@ void addSamplingOptions(CLI::App& app, RenderArguments& render) {
   addMethodOptions(app, render);
 }
 
-std::optional<Aov> parseAov(const std::string& text) {
-  if (text == "error") return Aov::error;
-  if (text == "samples") return Aov::samples;
-  if (text == "cost") return Aov::cost;
-  return {};
-}
-
 void addRender(CLI::App& program, RenderArguments& render) {
   CLI::App& app = *program.add_subcommand("render", "Render a scene to image files");
   app.footer(renderExamples);
@@ -124,19 +118,23 @@ void addRender(CLI::App& program, RenderArguments& render) {
   app.add_option("--stats-file", render.statisticsFile)->group("");
   app.add_flag("--explain-cost", render.explainCost, "Print where the time went: shader by shader, and all the rest");
   const auto aov = [&render](const std::string& option, const std::string& text) {
-    const auto known = parseAov(text);
-    if (!known) refuse(option, fmt::format("'{}' is not one of error, samples, cost", text));
-    render.aovs.push_back(*known);
+    for (const std::string& part : scene::splitAovList(text)) {
+      const std::size_t equals = part.find('=');
+      const std::string quantity = equals == std::string::npos ? part : part.substr(equals + 1);
+      if (quantity.empty() || equals == 0) refuse(option, fmt::format("'{}' is not NAME or NAME=EXPRESSION", part));
+      render.aovs.push_back({part.substr(0, equals), quantity, {}});
+    }
   };
   app.add_option_function<std::vector<std::string>>(
          "--aov",
          [aov](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) aov("--aov", text);
          },
-         "Add channels to EXR files: the standard error of pixels, their\nsamples, or the points at which shaders were "
-         "run; repeatable")
+         "Add these layers to EXR files: direct, indirect, light_groups,\n"
+         "albedo, depth, error, cost, … (all of them: aerosol help aovs),\n"
+         "or light path expressions: --aov \"first=C<RD>L\"; repeatable")
       ->allow_extra_args(false)
-      ->option_text("error|samples|cost");
+      ->option_text("NAME[=EXPRESSION],...");
   app.add_flag("--count-lanes", render.countLanes, "Print statistics with the lanes used inside shaders (slower)");
 }
 

@@ -75,7 +75,7 @@ bool isDone(const std::string& name, const Job& job, const SampleRange& range, c
   const auto is = [&](const char* key, const std::string& expected) { return textOf(*picture, key) == expected; };
   return is("aerosol:job", job.identity) && is("aerosol:code", job.code) && is("aerosol:embreeIsa", job.embreeIsa) &&
          is("aerosol:firstSample", std::to_string(range.first)) && is("aerosol:endSample", std::to_string(range.end)) &&
-         is("aerosol:interrupted", "0") &&
+         is("aerosol:interrupted", "0") && is("aerosol:aovs", job.aovs) &&
          is("aerosol:crop", fmt::format("{},{},{},{}", area.x0, area.y0, area.width(), area.height()));
 }
 

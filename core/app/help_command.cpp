@@ -11,6 +11,7 @@
 #include "core/app/registered_types.h"
 #include "core/app/shader_page.h"
 #include "core/app/toolchain.h"
+#include "core/render/aov/aov_table.h"
 #include "core/scene/documentation.h"
 #include "plugins/registration.h"
 
@@ -52,14 +53,42 @@ std::string pages(const std::string& topic, const scene::KnownTypes& types, shad
 Diagnostic unknownTopic(const std::string& topic, const scene::KnownTypes& types,
                         const shading::ShaderLibrary& shaders) {
   const std::vector<std::string> commands = commandNames(), objects = sceneTopics(types), known = shaders.names();
-  std::vector<std::string> all{"scene"};
+  std::vector<std::string> all{"scene", "aovs"};
   for (const auto* list : {&commands, &objects, &known}) all.insert(all.end(), list->begin(), list->end());
   Diagnostic error{Severity::error, {}, fmt::format("there is no help on '{}'", topic), {}, {}};
   if (const std::string near = didYouMean(topic, all); !near.empty()) error.notes.push_back(near);
   error.notes.push_back(fmt::format("commands: {}", fmt::join(commands, ", ")));
-  error.notes.push_back(fmt::format("scene format: scene, {}", fmt::join(objects, ", ")));
+  error.notes.push_back(fmt::format("scene format: scene, aovs, {}", fmt::join(objects, ", ")));
   if (!known.empty()) error.notes.push_back(fmt::format("shaders: {}", fmt::join(known, ", ")));
   return error;
+}
+
+}  // namespace
+
+namespace {
+
+/// What --aov takes.
+std::string aovPage() {
+  std::string text =
+      "Layers of EXR files beside the picture: aerosol render --aov NAME,NAME,… or, in a scene,\n"
+      "<integrator type=\"aov\"><string name=\"aovs\" value=\"LAYER:NAME,…\"/> around the integrator.\n"
+      "Each is a part of the file with channels such as direct.R.\n\n";
+  for (const render::AovType& type : render::aovTypes()) {
+    if (type.isListed) text += fmt::format("  {:<24} {:<4} {}\n", type.name, type.channels, type.doc);
+  }
+  text +=
+      "\nNAME=EXPRESSION names a light path expression, in the notation of OSL: events from the camera to the light.\n"
+      "  <TSL>  one event: T is C camera, R reflection, T transmission, V volume, L light, B background, O another\n"
+      "         thing that shines; S is D diffuse, G glossy, S singular, s straight; L a 'label', the light_group of\n"
+      "         an emitter. What is left out may be anything; R alone is <R.>, D alone <.D>.\n"
+      "  .  [RT]  [^D]  (…)  |  *  +  ?  {n,m}    as in regular expressions\n"
+      "Any number of straight passings in a row is one event s. Scattering in media has no letter S of its own; media\n"
+      "that shine are <OV>. Layers of media, surfaces and background add up to the picture, as do direct and "
+      "indirect.\n\n"
+      "Examples:\n"
+      "  --aov direct,indirect,albedo,sh_normal,depth\n"
+      "  --aov \"mirrored=CS+[LOB], key_in_fog=CV+<L.'key'>\"\n";
+  return text;
 }
 
 }  // namespace
@@ -68,6 +97,10 @@ ExitCode helpCommand(const HelpArguments& arguments, const Console& console) {
   const std::string& topic = arguments.topic;
   if (topic.empty() || contains(commandNames(), topic)) {
     console.print(commandHelp(topic));
+    return ExitCode::success;
+  }
+  if (topic == "aovs") {
+    console.print(aovPage());
     return ExitCode::success;
   }
   const auto installation = findInstallation();

@@ -67,20 +67,24 @@ Job describeJob(const RenderArguments& arguments, const scene::SceneDescription&
   return {.identity = identityOf(arguments, description, scene),
           .embreeIsa = scene.geometry->isa(),
           .code = fmt::format("{} {}", programVersion(), codeVersion().substr(0, 16)),
+          .aovs = scene.aovs ? scene.aovs->layout.toText() : "",
           .sampleCount = description.sampler.sampleCount,
           .film = description.film};
 }
 
 std::vector<image::Metadata> jobMetadata(const Job& job) {
   const scene::Film& film = job.film;
-  return {{"aerosol:job", job.identity},
-          {"aerosol:embreeIsa", job.embreeIsa},
-          {"aerosol:code", job.code},
-          {"aerosol:sampleCount", static_cast<std::int32_t>(job.sampleCount)},
-          {"aerosol:window",
-           fmt::format("{},{},{},{}", film.cropOffsetX, film.cropOffsetY, film.croppedWidth(), film.croppedHeight())},
-          {"aerosol:component",
-           std::string(film.componentFormat == scene::ComponentFormat::float16 ? "float16" : "float32")}};
+  std::vector<image::Metadata> metadata = {
+      {"aerosol:job", job.identity},
+      {"aerosol:embreeIsa", job.embreeIsa},
+      {"aerosol:code", job.code},
+      {"aerosol:sampleCount", static_cast<std::int32_t>(job.sampleCount)},
+      {"aerosol:window",
+       fmt::format("{},{},{},{}", film.cropOffsetX, film.cropOffsetY, film.croppedWidth(), film.croppedHeight())},
+      {"aerosol:component",
+       std::string(film.componentFormat == scene::ComponentFormat::float16 ? "float16" : "float32")}};
+  if (!job.aovs.empty()) metadata.push_back({"aerosol:aovs", job.aovs});
+  return metadata;
 }
 
 std::optional<Job> jobOf(const image::ImageBuffer& picture) {
@@ -92,7 +96,8 @@ std::optional<Job> jobOf(const image::ImageBuffer& picture) {
   const auto* component = findValue<std::string>(picture, "aerosol:component");
   const auto crop = window ? parseCrop(*window) : std::nullopt;
   if (!identity || !isa || !code || !samples || !component || !crop) return {};
-  Job job{*identity, *isa, *code, *samples, {}};
+  const auto* aovs = findValue<std::string>(picture, "aerosol:aovs");
+  Job job{*identity, *isa, *code, aovs ? *aovs : "", *samples, {}};
   job.film.width = picture.fullWidth;
   job.film.height = picture.fullHeight;
   job.film.cropOffsetX = crop->x;

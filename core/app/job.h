@@ -15,6 +15,7 @@ struct Job {
   std::string identity;   ///< A hash of the scene's texts, meshes and shaders and of the options that decide samples.
   std::string embreeIsa;  ///< Instruction set of ray queries: a change of it may change bits of the image.
   std::string code;       ///< The program's version.
+  std::string aovs;       ///< What is shown beside the picture; empty: nothing.
   int sampleCount = 0;    ///< Of the whole image, each pixel.
   scene::Film film;       ///< As the scene describes it; its crop is all of the image.
 };

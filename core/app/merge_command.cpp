@@ -66,6 +66,11 @@ class Merge {
       return fail(name, "this part reaches beyond the pixels that are wanted",
                   {fmt::format("it shows {},{},{},{}", area.x0, area.y0, area.width(), area.height())});
     }
+    if (film_->layout() != file->film->layout()) {
+      const auto listOf = [](const Film& film) { return film.layout().isEmpty() ? "none" : film.layout().toText(); };
+      return fail(name, fmt::format("this part has other AOVs than {}: {}, not {}", *first_, listOf(*file->film),
+                                    listOf(*film_)));
+    }
     if (film_->merge(*file->film).hasErrors()) return reportDoubled(*file);
     seconds_ += file->seconds;
     joined_.push_back(name);
@@ -87,7 +92,7 @@ class Merge {
       job_.film.cropWidth = crop.width;
       job_.film.cropHeight = crop.height;
     }
-    film_ = std::make_unique<Film>(cropOf(job_.film));
+    film_ = std::make_unique<Film>(cropOf(job_.film), file.film->layout());
     original_ = file.job;
     return true;
   }
@@ -149,6 +154,7 @@ class Merge {
     const SampleCounts counts = countSamples(*film_);
     image::ImageBuffer picture = makePicture(*film_, job_.film);
     picture.metadata = metadataOf(counts);
+    picture.layers = makeLayers(*film_);
     if (isIncomplete_) picture.attachment = render::encodeFilm(*film_);
     if (!accept(writeOutputs(arguments_.outputs, picture, job_.film))) return false;
     if (arguments_.quiet) return true;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/app/version_command.h"
+#include "core/render/aov/aov_pixels.h"
 #include "core/scene/field.h"
 
 namespace aerosol::app {
@@ -148,37 +149,11 @@ image::ImageBuffer makePicture(const render::Film& film, const scene::Film& desc
   return picture;
 }
 
-bool hasAov(const RenderArguments& arguments, Aov aov) {
-  return std::find(arguments.aovs.begin(), arguments.aovs.end(), aov) != arguments.aovs.end();
-}
-
-void addAovs(const RenderArguments& arguments, const render::Film& film, const render::CostMap* cost,
-             image::ImageBuffer& picture) {
-  if (arguments.aovs.empty()) return;
-  const bool wantsError = hasAov(arguments, Aov::error), wantsSamples = hasAov(arguments, Aov::samples);
-  const bool wantsCost = hasAov(arguments, Aov::cost) && cost;
-  const std::size_t before = picture.channels.size();
-  if (wantsError) picture.channels.insert(picture.channels.end(), {"error.R", "error.G", "error.B"});
-  if (wantsSamples) picture.channels.push_back("samples");
-  if (wantsCost) picture.channels.push_back("cost");
-  std::vector<float> pixels;
-  pixels.reserve(film.area().pixelCount() * picture.channels.size());
-  auto old = picture.pixels.begin();
-  for (int y = film.area().y0; y < film.area().y1; ++y) {
-    for (int x = film.area().x0; x < film.area().x1; ++x) {
-      pixels.insert(pixels.end(), old, old + static_cast<std::ptrdiff_t>(before));
-      old += static_cast<std::ptrdiff_t>(before);
-      const render::PixelEstimate pixel = film.estimate(x, y);
-      const Color error = pixel.standardError;
-      if (wantsError) pixels.insert(pixels.end(), {error.r, error.g, error.b});
-      if (wantsSamples) pixels.push_back(static_cast<float>(pixel.count));
-      if (wantsCost) {
-        const double samples = std::max(1.0, static_cast<double>(pixel.count + film.pixel(x, y).dropped()));
-        pixels.push_back(static_cast<float>(static_cast<double>(cost->points(x, y)) / samples));
-      }
-    }
-  }
-  picture.pixels = std::move(pixels);
+std::vector<image::ImageLayer> makeLayers(const render::Film& film) {
+  std::vector<image::ImageLayer> layers;
+  for (const render::AovLayer& layer : film.layout().layers)
+    layers.push_back({layer.name, layer.channels, render::layerPixels(film, layer), layer.isData});
+  return layers;
 }
 
 }  // namespace aerosol::app

@@ -42,11 +42,7 @@ std::vector<image::Metadata> describeRender(const RenderRecord& record, const Sa
 /// Channels R, G, B and, where the scene's film asks for it, A; placed within the whole film.
 image::ImageBuffer makePicture(const render::Film& film, const scene::Film& described);
 
-bool hasAov(const RenderArguments& arguments, Aov aov);
-
-/// Adds the channels that the arguments ask for: "error.R", "error.G", "error.B", "samples", "cost". `cost` may be null
-/// when it is not asked for.
-void addAovs(const RenderArguments& arguments, const render::Film& film, const render::CostMap* cost,
-             image::ImageBuffer& picture);
+/// What the film has gathered beside the picture.
+std::vector<image::ImageLayer> makeLayers(const render::Film& film);
 
 }  // namespace aerosol::app

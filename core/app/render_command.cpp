@@ -81,8 +81,6 @@ class Render {
     options.firstSample = static_cast<std::uint32_t>(range_.first);
     options.endSample = static_cast<std::uint32_t>(range_.end);
     options.profile = arguments_.explainCost || !arguments_.statisticsFile.empty();
-    if (hasAov(arguments_, Aov::cost)) cost_ = std::make_unique<render::CostMap>(film_->area());
-    options.cost = cost_.get();
     const auto start = Clock::now();
     if (arguments_.checkpointSeconds > 0) {
       options.checkpointSeconds = arguments_.checkpointSeconds;
@@ -131,12 +129,6 @@ class Render {
       errors.error({}, "--samples says how many samples there are; --target-error and --time find out",
                    {"leave one of them out"});
     }
-    if (!arguments_.aovs.empty() && keepsSums()) {
-      errors.error({}, "--aov belongs to a finished image, not to a part of one: leave --samples and --keep-sums out");
-    }
-    if (hasAov(arguments_, Aov::cost) && arguments_.resume) {
-      errors.error({}, "the cost of samples is not kept in checkpoints: leave --resume or --aov cost out");
-    }
     if (!arguments_.aovs.empty() && std::none_of(outputs_.begin(), outputs_.end(), isExr)) {
       errors.error({outputs_.front(), 0, 0}, "--aov needs an EXR file to write");
     }
@@ -145,6 +137,16 @@ class Render {
                    fmt::format("{} needs an EXR file to write", arguments_.samples ? "--samples" : "--keep-sums"));
     }
     return errors;
+  }
+
+  /// AOVs that a scene asks for and no file shows.
+  Diagnostics reportHiddenAovs() const {
+    Diagnostics warnings;
+    const auto& aovs = session_.description().integrator.aovs;
+    if (!aovs.empty() && std::none_of(outputs_.begin(), outputs_.end(), isExr))
+      warnings.warning(aovs.front().location, "no EXR file is written: the AOVs of the scene are lost",
+                       {"-o NAME.exr"});
+    return warnings;
   }
 
   bool chooseSamples() {
@@ -171,7 +173,8 @@ class Render {
   /// The film as the last checkpoint left it, or an empty one.
   bool resume() {
     const render::PixelRect area = cropOf(session_.description().film);
-    film_ = std::make_unique<render::Film>(area);
+    const auto& aovs = session_.scene().aovs;
+    film_ = std::make_unique<render::Film>(area, aovs ? aovs->layout : render::AovLayout{});
     std::error_code ignored;
     if (!arguments_.resume) return true;
     const std::string name = checkpointName(outputs_.front());
@@ -209,6 +212,7 @@ class Render {
     }
     if (file.job.code != job_.code) return fmt::format("it is of version {} of the program", file.job.code);
     if (file.film->area() != film_->area()) return "it shows other pixels";
+    if (file.film->layout() != film_->layout()) return "it has other AOVs";
     if (!samplesLieWithin(*file.film, range_)) return "it has samples that are not asked for now";
     return {};
   }
@@ -294,7 +298,7 @@ class Render {
         counts);
     const auto ofJob = jobMetadata(job_);
     picture.metadata.insert(picture.metadata.end(), ofJob.begin(), ofJob.end());
-    addAovs(arguments_, *film_, cost_.get(), picture);
+    picture.layers = makeLayers(*film_);
     if (keepsSums()) picture.attachment = render::encodeFilm(*film_);
     const bool pointsAreSaved = accept(session_.scene().services->finish());
     if (!accept(writeOutputs(outputs_, picture, session_.description().film)) || !pointsAreSaved) return false;
@@ -327,6 +331,8 @@ class Render {
     found.append(reportTrackers(session_.scene(), report_.statistics.trackers));
     found.append(reportLights(report_.statistics));
     found.append(reportDroppedSamples(*film_));
+    found.append(reportReplacedAovs(*film_));
+    found.append(reportHiddenAovs());
     session_.description().sources->annotate(found);
     console_.report(found);
     if (arguments_.explainCost) console_.note(explainCost(session_.scene(), report_, session_.threadCount()));
@@ -344,7 +350,6 @@ class Render {
   std::vector<std::string> outputs_;
   std::unique_ptr<render::Film> film_;
   render::RenderReport report_;
-  std::unique_ptr<render::CostMap> cost_;
   Job job_;
   SampleRange range_;
   double secondsBefore_ = 0;    ///< Of the render that is carried on.

@@ -125,6 +125,7 @@ render::PrepareOptions SceneSession::prepareOptions() const {
   options.threads = threadCount();
   options.plan = plan_;
   options.loopBudget = static_cast<std::uint32_t>(arguments_.loopBudget);
+  options.aovs = arguments_.aovs;
   return options;
 }
 

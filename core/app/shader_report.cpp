@@ -167,6 +167,15 @@ Diagnostics reportLights(const render::WorkerStatistics& statistics) {
   return warnings;
 }
 
+Diagnostics reportReplacedAovs(const render::Film& film) {
+  Diagnostics warnings;
+  if (film.replacedAovs() > 0) {
+    warnings.warning(
+        {}, fmt::format("{} of AOVs were NaN or infinite and count as 0", formatCount(film.replacedAovs(), "value")));
+  }
+  return warnings;
+}
+
 Diagnostics reportDroppedSamples(const render::Film& film) {
   Diagnostics warnings;
   if (film.droppedCount() == 0) return warnings;

@@ -40,5 +40,7 @@ Diagnostics reportLights(const render::WorkerStatistics& statistics);
 
 /// Samples that were not finite, which the film dropped.
 Diagnostics reportDroppedSamples(const render::Film& film);
+/// Values of AOVs that were no finite numbers.
+Diagnostics reportReplacedAovs(const render::Film& film);
 
 }  // namespace aerosol::app

@@ -42,6 +42,10 @@ std::optional<Diagnostic> findMistake(const std::string& path, const std::string
                      static_cast<std::uint64_t>(std::max(image.height, 0)) * image.channels.size();
   if (count == 0 || count != image.pixels.size())
     return fileError(path, "the picture has no pixels or not all of them");
+  for (const ImageLayer& layer : image.layers) {
+    if (layer.channels.empty() || layer.pixels.size() != count / image.channels.size() * layer.channels.size())
+      return fileError(path, "the layer '" + layer.name + "' has no pixels or not all of them");
+  }
   if (options.jpegQuality < 1 || options.jpegQuality > 100) return fileError(path, "JPEG quality is from 1 to 100");
   return {};
 }

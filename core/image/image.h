@@ -19,6 +19,14 @@ struct Metadata {
   bool operator==(const Metadata&) const = default;
 };
 
+/// Another picture of the same pixels: a part of its own in EXR files, which other formats drop.
+struct ImageLayer {
+  std::string name;
+  std::vector<std::string> channels;  ///< Full names, such as "direct.R".
+  std::vector<float> pixels;          ///< width * height * channels.size() values.
+  bool isData = false;                ///< Stored as float32 whatever the picture is.
+};
+
 /// A picture, or the part of one that a crop left: rows from the top, channels interleaved.
 struct ImageBuffer {
   int width = 0, height = 0;
@@ -30,7 +38,8 @@ struct ImageBuffer {
   std::vector<std::string> channels;
   std::vector<float> pixels;  ///< width * height * channels.size() values.
   std::vector<Metadata> metadata;
-  std::string attachment;  ///< Bytes that EXR keeps beside the picture, in a second part; other formats drop them.
+  std::vector<ImageLayer> layers;
+  std::string attachment;  ///< Bytes that EXR keeps beside the picture, in its last part; other formats drop them.
 };
 
 enum class PixelType : std::uint8_t { automatic, float32, float16, uint8, uint16 };
@@ -66,8 +75,9 @@ std::optional<Diagnostic> checkFileName(const std::string& path);
 /// disk. Errors name the file.
 Result<WriteReport> writeImage(const std::string& path, const ImageBuffer& image, const WriteOptions& options = {});
 
-/// Reads any format OpenImageIO knows, first part of the file. Values are as stored, integers scaled to [0, 1]; no
-/// colour space is undone, and colours are multiplied by alpha only where the file has them so.
+/// Reads any format OpenImageIO knows: the first part of the file as the picture, others of the same size as layers.
+/// Values are as stored, integers scaled to [0, 1]; no colour space is undone, and colours are multiplied by alpha only
+/// where the file has them so.
 Result<ImageBuffer> readImage(const std::string& path);
 
 /// "OpenImageIO 2.4.7.1" and the like, one entry a library. Loads the libraries.

@@ -3,6 +3,10 @@
 namespace aerosol::render {
 
 Color Closure::evaluate(std::span<const float>, const ClosurePoint&, Vector<World>) const { return {}; }
+Color Closure::evaluateDiffuse(std::span<const float> parameters, const ClosurePoint& point,
+                               Vector<World> toLight) const {
+  return traits().isDiffuse ? evaluate(parameters, point, toLight) : Color();
+}
 float Closure::pdf(std::span<const float>, const ClosurePoint&, Vector<World>) const { return 0; }
 std::optional<ClosureSample> Closure::sample(std::span<const float>, const ClosurePoint&,
                                              const ClosureUniforms&) const {

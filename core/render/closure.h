@@ -26,6 +26,7 @@ struct ClosureTraits {
   bool isBounded = true;       ///< Never scatters more than arrives.
   bool isReciprocal = true;    ///< f(a, b) / η_a² = f(b, a) / η_b².
   bool hasExactAlbedo = true;  ///< `albedo` is more than an estimate where the surface is seen steeply.
+  bool isDiffuse = false;      ///< Scatters as a matte surface does; otherwise it is glossy.
 };
 
 /// Where a closure is asked. Unit vectors in world space.
@@ -71,6 +72,9 @@ class Closure {
 
   /// Bidirectional scattering function times |cos| between `toLight` and the shading normal; without delta parts.
   virtual Color evaluate(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const;
+  /// The part of `evaluate` that is diffuse: all of it, or nothing, unless a closure is a sum of both.
+  virtual Color evaluateDiffuse(std::span<const float> parameters, const ClosurePoint& point,
+                                Vector<World> toLight) const;
   /// The density with which `sample` returns `toLight`.
   virtual float pdf(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const;
   /// None when the light is absorbed.

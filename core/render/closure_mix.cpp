@@ -27,6 +27,25 @@ Color ClosureMix::evaluate(Vector<World> toLight) const {
   return sum;
 }
 
+Color ClosureMix::evaluateDiffuse(Vector<World> toLight) const {
+  Color sum;
+  for (const WeightedClosure& term : terms_) {
+    if (term.closure->kind() == ClosureKind::scattering) {
+      sum += term.weight * term.closure->evaluateDiffuse(term.parameters, point_, toLight) * term.shadow(toLight);
+    }
+  }
+  return sum;
+}
+
+Color ClosureMix::albedo() const {
+  Color sum;
+  for (const WeightedClosure& term : terms_) {
+    if (term.closure->kind() == ClosureKind::scattering)
+      sum += term.weight * term.closure->albedo(term.parameters, point_);
+  }
+  return sum;
+}
+
 float ClosureMix::pdf(Vector<World> toLight) const {
   if (!(total_ > 0)) return 0;
   float sum = 0;

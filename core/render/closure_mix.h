@@ -33,7 +33,11 @@ class ClosureMix {
 
   /// As `Closure::evaluate` and `pdf`.
   Color evaluate(Vector<World> toLight) const;
+  /// The part of it that is diffuse.
+  Color evaluateDiffuse(Vector<World> toLight) const;
   float pdf(Vector<World> toLight) const;
+  /// The part of light that the terms scatter, those that let it pass straight left out.
+  Color albedo() const;
   std::optional<ClosureSample> sample(const ClosureUniforms& u) const;
   /// Radiance towards the viewer.
   Color emitted() const;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/render/aov/path_record.h"
 #include "core/render/medium_walk.h"
 #include "core/render/prepared_scene.h"
 
@@ -61,6 +62,7 @@ volume::Task<Color> estimateGlow(PathContext& path, const ScatteringVertex& vert
   findSegments(path, ray, 0, hit ? hit->t : std::numeric_limits<double>::infinity(),
                vertex.mediumTowards(sample->direction), vertex.mediaTowards(sample->direction), vertex.links());
   const volume::DistanceSample way = co_await sampleDistance(path, ray, scattered);
+  if (path.record) path.record->noteLight(light.light, sample->direction, false);
   co_return scattered* way.emission * (1 / density);
 }
 
@@ -108,6 +110,7 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   const Color transmittance =
       co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
                                      vertex.mediaTowards(light->direction));
+  if (path.record) path.record->noteLight(choice->index, light->direction, path.wentStraight);
   // Behind a surface that bends light, what a path meets is not counted.
   const float byDirection = light->isDelta || path.wentStraight ? 0.0f : vertex.pdf(light->direction);
   const float correction = vertex.correction(choice->id(), light->distance);
@@ -137,6 +140,7 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   const Color transmittance =
       co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
                                      vertex.mediaTowards(light->direction));
+  if (path.record) path.record->noteLight(choice.light.light, light->direction, path.wentStraight);
   const double byDirection =
       light->isDelta || path.wentStraight ? 0 : static_cast<double>(vertex.pdf(light->direction));
   const double byTracker =
@@ -158,7 +162,8 @@ volume::Task<Color> lightTexture(PathContext& path, std::uint32_t light, const s
   co_return lightTextureOf(co_await path.shade(*texture, point));
 }
 
-Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record) {
+Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record,
+                   PathRecord* aovs) {
   if (record.isReplaced) return {};
   const LightSet& lights = scene.lightsOf(record.links);
   Color sum;
@@ -167,6 +172,7 @@ Color escapedLight(const PreparedScene& scene, Vector<World> direction, const Di
     if (isBlack(radiance)) continue;
     const float weight = record.isDelta ? 1.0f : balance(record.pdf, lights.pdfEscaped(index, record.from, direction));
     sum += radiance * weight;
+    if (aovs) aovs->addFromLight(radiance * weight, index);
   }
   return sum;
 }

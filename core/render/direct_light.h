@@ -151,8 +151,9 @@ volume::Task<Color> lightTexture(PathContext& path, std::uint32_t light, const s
 /// The weight of what media emit along a ray up to the first surface: they may be sampled as lights.
 float metEmissionWeight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record);
 
-/// Radiance of lights at infinity along a ray that leaves the scene, weighted.
-Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record);
+/// Radiance of lights at infinity along a ray that leaves the scene, weighted; AOVs get it light by light.
+Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record,
+                   PathRecord* aovs = nullptr);
 
 /// Radiance of an area light that a ray has met, weighted.
 Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::SurfaceHit& hit, Vector<World> direction,

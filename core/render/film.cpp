@@ -8,7 +8,8 @@
 
 namespace aerosol::render {
 
-void FilmTile::reset(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample) {
+void FilmTile::reset(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample,
+                     std::uint32_t aovWidth) {
   assert(endSample >= firstSample && endSample - firstSample <= maximumSamples);
   area_ = area;
   firstSample_ = firstSample;
@@ -16,23 +17,48 @@ void FilmTile::reset(const PixelRect& area, std::uint32_t firstSample, std::uint
   missing_ = area.pixelCount() * (endSample - firstSample);
   samples_.resize(missing_);
   present_.assign(area.pixelCount(), 0);
+  aovWidth_ = aovWidth;
+  aovs_.resize(missing_ * aovWidth);
 }
 
-void FilmTile::add(int x, int y, std::uint32_t sample, Color color, float alpha) {
+void FilmTile::add(int x, int y, std::uint32_t sample, Color color, float alpha, std::span<const float> aovs) {
   assert(area_.contains(x, y) && sample >= firstSample_ && sample < endSample_);
   const std::size_t pixel = area_.indexOf(x, y);
   const std::uint32_t offset = sample - firstSample_;
   assert((present_[pixel] >> offset & 1u) == 0);
   present_[pixel] |= std::uint64_t{1} << offset;
-  samples_[pixel * (endSample_ - firstSample_) + offset] = {color, alpha};
+  const std::size_t at = pixel * (endSample_ - firstSample_) + offset;
+  samples_[at] = {color, alpha};
+  assert(aovs.size() == aovWidth_);
+  std::copy(aovs.begin(), aovs.end(), aovs_.begin() + static_cast<std::ptrdiff_t>(at * aovWidth_));
   --missing_;
 }
 
-Film::Film(const PixelRect& area) : area_(area), pixels_(area.pixelCount()) {}
+Film::Film(const PixelRect& area, AovLayout layout)
+    : area_(area), pixels_(area.pixelCount()), layout_(std::move(layout)) {
+  if (!layout_.isEmpty()) aovs_.resize(area.pixelCount());
+}
+
+namespace {
+
+/// How many values were not finite and are 0 now.
+std::uint64_t replaceNonFinite(std::vector<float>& values) {
+  std::uint64_t count = 0;
+  for (float& value : values) {
+    if (std::isfinite(value)) continue;
+    value = 0;
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
 
 void Film::commit(const FilmTile& tile) {
-  assert(area_.contains(tile.area_));
+  assert(area_.contains(tile.area_) && tile.aovWidth_ == layout_.width);
   std::vector<DroppedSample> dropped;
+  std::uint64_t replaced = 0;
+  AovSample aovs;
   const std::uint32_t count = tile.endSample_ - tile.firstSample_;
   for (int y = tile.area_.y0; y < tile.area_.y1; ++y) {
     for (int x = tile.area_.x0; x < tile.area_.x1; ++x) {
@@ -44,10 +70,19 @@ void Film::commit(const FilmTile& tile) {
         [[maybe_unused]] const bool isNew = pixel.add(tile.firstSample_ + i, sample);
         assert(isNew);
         if (!sample.isFinite()) dropped.push_back({x, y, tile.firstSample_ + i, sample});
+        if (aovs_.empty()) continue;
+        const float* const values = tile.aovs_.data() + (local * count + i) * tile.aovWidth_;
+        aovs.values.assign(values, values + tile.aovWidth_);
+        aovs.isCounted = sample.isFinite();
+        if (aovs.isCounted) replaced += replaceNonFinite(aovs.values);
+        aovs_[area_.indexOf(x, y)].add(tile.firstSample_ + i, aovs);
       }
     }
   }
   if (!dropped.empty()) recordDropped(std::move(dropped));
+  if (replaced == 0) return;
+  const std::scoped_lock lock(droppedMutex_);
+  replacedAovs_ += replaced;
 }
 
 void Film::recordDropped(std::vector<DroppedSample> dropped) {
@@ -65,6 +100,10 @@ Diagnostics Film::merge(const Film& other) {
     errors.error({}, "the films to be merged show different pixels");
     return errors;
   }
+  if (layout_ != other.layout_) {
+    errors.error({}, "the films to be merged have different AOVs");
+    return errors;
+  }
   const auto reportCommon = [&](int x, int y) {
     errors.error({}, "the films to be merged have samples in common, such as in pixel (" + std::to_string(x) + ", " +
                          std::to_string(y) + ")");
@@ -78,7 +117,10 @@ Diagnostics Film::merge(const Film& other) {
     }
   }
   for (int y = other.area_.y0; y < other.area_.y1; ++y) {
-    for (int x = other.area_.x0; x < other.area_.x1; ++x) pixels_[area_.indexOf(x, y)].merge(other.pixel(x, y));
+    for (int x = other.area_.x0; x < other.area_.x1; ++x) {
+      pixels_[area_.indexOf(x, y)].merge(other.pixel(x, y));
+      if (!aovs_.empty()) aovs_[area_.indexOf(x, y)].merge(other.aovs(x, y));
+    }
   }
   recordDropped(other.dropped_);
   return errors;
@@ -129,6 +171,7 @@ std::uint64_t Film::droppedCount() const {
 std::size_t Film::bytes() const {
   std::size_t bytes = sizeof(Film);
   for (const PixelSum& pixel : pixels_) bytes += pixel.bytes();
+  for (const AovSum& pixel : aovs_) bytes += pixel.bytes() + layout_.width * sizeof(double);
   return bytes;
 }
 

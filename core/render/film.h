@@ -4,10 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/base/diagnostic.h"
+#include "core/render/aov/aov_layout.h"
+#include "core/render/aov/aov_sum.h"
 #include "core/render/pixel_sum.h"
 
 namespace aerosol::render {
@@ -35,13 +38,13 @@ class FilmTile {
 
   FilmTile() = default;
   /// Samples firstSample ≤ i < endSample of each pixel of `area`, at most `maximumSamples`.
-  FilmTile(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample) {
-    reset(area, firstSample, endSample);
+  FilmTile(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample, std::uint32_t aovWidth = 0) {
+    reset(area, firstSample, endSample, aovWidth);
   }
-  void reset(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample);
+  void reset(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample, std::uint32_t aovWidth = 0);
 
-  /// In any order, each sample once. Pixel coordinates are those of the whole film.
-  void add(int x, int y, std::uint32_t sample, Color color, float alpha);
+  /// In any order, each sample once, with as many values as AOVs have. Pixel coordinates are those of the whole film.
+  void add(int x, int y, std::uint32_t sample, Color color, float alpha, std::span<const float> aovs = {});
 
   const PixelRect& area() const { return area_; }
   std::uint32_t firstSample() const { return firstSample_; }
@@ -58,6 +61,8 @@ class FilmTile {
   std::size_t missing_ = 0;
   std::vector<PixelSample> samples_;    ///< By pixel, then by sample.
   std::vector<std::uint64_t> present_;  ///< A bit a sample.
+  std::uint32_t aovWidth_ = 0;
+  std::vector<float> aovs_;  ///< By pixel, by sample, then by value.
 };
 
 /// A sample that was not finite.
@@ -87,30 +92,37 @@ class Film {
  public:
   static constexpr std::size_t droppedPlaces = 8;  ///< Places of dropped samples that are kept.
 
-  explicit Film(const PixelRect& area);
+  /// With a layout it also gathers what that names.
+  explicit Film(const PixelRect& area, AovLayout layout = {});
 
   const PixelRect& area() const { return area_; }
+  const AovLayout& layout() const { return layout_; }
 
   /// Adds what the tile holds, also when samples are missing. No sample may be there already.
   void commit(const FilmTile& tile);
 
   /// Adds another film of the same scene: other pixels or other samples. Errors, and nothing is changed, when it
-  /// reaches beyond this one's area or has samples in common.
+  /// reaches beyond this one's area, has samples in common, or gathers something else.
   Diagnostics merge(const Film& other);
 
   /// Puts back what was read from a file: a pixel without samples becomes `sum`.
   void restore(int x, int y, PixelSum sum) { pixels_[area_.indexOf(x, y)] = std::move(sum); }
+  void restore(int x, int y, AovSum sum) { aovs_[area_.indexOf(x, y)] = std::move(sum); }
   /// Places of dropped samples beside those that are known.
   void recordDropped(std::vector<DroppedSample> dropped);
 
   const PixelSum& pixel(int x, int y) const { return pixels_[area_.indexOf(x, y)]; }
+  /// Of a film with a layout.
+  const AovSum& aovs(int x, int y) const { return aovs_[area_.indexOf(x, y)]; }
   PixelEstimate estimate(int x, int y) const;
   /// Means as red, green, blue, alpha, row by row.
   std::vector<float> rgba() const;
 
   std::uint64_t sampleCount() const;   ///< Finite ones, of all pixels.
   std::uint64_t droppedCount() const;  ///< NaN or infinite ones, of all pixels.
-  /// The first of them by (y, x, sample).
+  /// Values of AOVs that were NaN or infinite in samples that were not; they count as 0. Of this process alone.
+  std::uint64_t replacedAovs() const { return replacedAovs_; }
+  /// The first dropped samples by (y, x, sample).
   const std::vector<DroppedSample>& firstDropped() const { return dropped_; }
   /// A copy of them, also while tiles are committed.
   std::vector<DroppedSample> copyFirstDropped() const {
@@ -122,8 +134,11 @@ class Film {
  private:
   PixelRect area_;
   std::vector<PixelSum> pixels_;
+  AovLayout layout_;
+  std::vector<AovSum> aovs_;  ///< By pixel; empty without a layout.
   mutable std::mutex droppedMutex_;
   std::vector<DroppedSample> dropped_;
+  std::uint64_t replacedAovs_ = 0;
 };
 
 }  // namespace aerosol::render

@@ -11,7 +11,7 @@ namespace aerosol::render {
 namespace {
 
 /// Changes with the layout.
-constexpr std::uint64_t magic = 0x316d6c69466f7265;  // "eroFilm1"
+constexpr std::uint64_t magic = 0x326d6c69466f7265;  // "eroFilm2"
 
 template <class A>
 void describe(A& archive, PixelRect& rect) {
@@ -19,6 +19,24 @@ void describe(A& archive, PixelRect& rect) {
 }
 
 Diagnostic damaged() { return {Severity::error, {}, "the sums of samples in this file are damaged", {}, {}}; }
+
+/// Reads what was gathered of one pixel: the same samples as its picture has.
+bool readAovs(ArchiveReader& archive, Film& film, int x, int y) {
+  AovSum::Content content;
+  archive(content);
+  const std::size_t width = film.layout().width;
+  for (const auto& node : content.nodes) {
+    if (!node.sums.values.empty() && node.sums.values.size() != width) return false;
+  }
+  for (const auto& open : content.open) {
+    if (open.sample.values.size() != width) return false;
+  }
+  auto sum = AovSum::fromContent(content);
+  const PixelSum& pixel = film.pixel(x, y);
+  if (!sum || sum->count() != pixel.count() || sum->ranges() != pixel.ranges()) return false;
+  film.restore(x, y, std::move(*sum));
+  return true;
+}
 
 /// Reads the pixels of the parts into the film. False when they cannot be right.
 bool readParts(ArchiveReader& archive, Film& film) {
@@ -34,6 +52,7 @@ bool readParts(ArchiveReader& archive, Film& film) {
         auto sum = PixelSum::fromContent(content);
         if (!sum) return false;
         film.restore(x, y, std::move(*sum));
+        if (!film.layout().isEmpty() && !readAovs(archive, film, x, y)) return false;
       }
     }
   }
@@ -41,11 +60,13 @@ bool readParts(ArchiveReader& archive, Film& film) {
 
 }  // namespace
 
-FilmWriter::FilmWriter(const PixelRect& area) {
+FilmWriter::FilmWriter(const Film& film) {
   std::uint64_t first = magic;
-  PixelRect rect = area;
+  PixelRect rect = film.area();
+  AovLayout layout = film.layout();
   archive_(first);
   describe(archive_, rect);
+  archive_(layout);
 }
 
 void FilmWriter::add(const Film& film, const PixelRect& part) {
@@ -55,6 +76,9 @@ void FilmWriter::add(const Film& film, const PixelRect& part) {
     for (int x = part.x0; x < part.x1; ++x) {
       PixelSum::Content content = film.pixel(x, y).content();
       archive_(content);
+      if (film.layout().isEmpty()) continue;
+      AovSum::Content aovs = film.aovs(x, y).content();
+      archive_(aovs);
     }
   }
 }
@@ -71,7 +95,7 @@ std::string FilmWriter::finish(const Film& film) {
 }
 
 std::string encodeFilm(const Film& film) {
-  FilmWriter writer(film.area());
+  FilmWriter writer(film);
   writer.add(film, film.area());
   return writer.finish(film);
 }
@@ -86,12 +110,15 @@ Result<std::unique_ptr<Film>> decodeFilm(std::string_view bytes) {
   PixelRect area;
   archive(first);
   describe(archive, area);
+  AovLayout layout;
+  archive(layout);
   constexpr int largest = 1 << 24;
   const bool isArea = area.x0 < area.x1 && area.y0 < area.y1 && area.x0 >= -largest && area.y0 >= -largest &&
                       area.x1 <= largest && area.y1 <= largest;
   constexpr std::size_t leastBytes = 12;  // Of a pixel.
   if (first != magic || !isArea || area.pixelCount() > bytes.size() / leastBytes) return damaged();
-  auto film = std::make_unique<Film>(area);
+  if (!layout.isSound()) return damaged();
+  auto film = std::make_unique<Film>(area, std::move(layout));
   if (!readParts(archive, *film)) return damaged();
   std::vector<DroppedSample> dropped;
   archive(dropped);

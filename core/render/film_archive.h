@@ -15,7 +15,7 @@ namespace aerosol::render {
 /// consistent by itself: the film that is read back can be carried on.
 class FilmWriter {
  public:
-  explicit FilmWriter(const PixelRect& area);
+  explicit FilmWriter(const Film& film);
 
   /// Every pixel of the film once, in rectangular parts.
   void add(const Film& film, const PixelRect& part);

@@ -25,6 +25,7 @@ namespace aerosol::render {
 
 struct PreparedScene;
 class PathContext;
+class PathRecord;
 
 /// Who runs the kernels for the paths in flight.
 class QuestionSink {
@@ -197,6 +198,8 @@ class PathContext {
   SurfaceAnswer surfaceAnswer_;
 
  public:
+  PathRecord* record = nullptr;  ///< Of what AOVs gather; null when there are none.
+
   // Scratch, reused from ray to ray.
   accel::SpanBuffer spans;
   accel::InterfaceBuffer interfaces;

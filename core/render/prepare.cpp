@@ -8,6 +8,7 @@
 #include "core/render/interior.h"
 #include "core/render/media_probe.h"
 #include "core/render/overlap.h"
+#include "core/render/preparation/aovs.h"
 #include "core/render/preparation/lights.h"
 #include "core/render/preparation/materials.h"
 #include "core/render/preparation/media.h"
@@ -118,6 +119,8 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   if (state.errors.hasErrors()) return fail(state);
   describeObjects(state);
   findInitialMedia(state);
+  decideAovs(state);
+  if (state.errors.hasErrors()) return fail(state);
   state.description.sources->annotate(state.warnings);
   return std::unique_ptr<const PreparedScene>(std::move(state.scene));
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/accel/scene.h"
+#include "core/render/aov/aov_plan.h"
 #include "core/render/camera.h"
 #include "core/render/closure.h"
 #include "core/render/filter.h"
@@ -106,6 +107,7 @@ struct PreparedScene {
     return medium.phase ? *medium.phase : *phase;
   }
   PathSettings path;
+  std::unique_ptr<const AovPlan> aovs;  ///< Null when none are asked for; films with its layout gather them.
   std::uint32_t loopBudget = 1u << 20;
   std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();
 

@@ -28,7 +28,7 @@ class Checkpoints {
   void takeWhenDue() {
     if (!options_.checkpoint || secondsSince(last_) < pause_) return;
     const Clock::time_point start = Clock::now();
-    FilmWriter writer(film_.area());
+    FilmWriter writer(film_);
     for (std::size_t i = 0; i < locks_.size(); ++i) {
       const std::scoped_lock lock(locks_[i]);
       writer.add(film_, source_.tiles()[i]);

@@ -24,21 +24,6 @@ struct Progress {
   double error = 0;           ///< Relative error of the image a little earlier (film_error.h); 0: not known.
 };
 
-/// How dear each pixel was: the points at which shaders were run for it. The same for any number of threads.
-class CostMap {
- public:
-  explicit CostMap(const PixelRect& area) : area_(area), points_(area.pixelCount()) {}
-
-  void add(int x, int y, std::uint64_t points) {
-    points_[area_.indexOf(x, y)].fetch_add(points, std::memory_order_relaxed);
-  }
-  std::uint64_t points(int x, int y) const { return points_[area_.indexOf(x, y)]; }
-
- private:
-  PixelRect area_;
-  std::vector<std::atomic<std::uint64_t>> points_;
-};
-
 struct RenderOptions {
   int threads = 0;                                ///< 0: one a processor.
   std::uint32_t firstSample = 0;                  ///< Of every pixel.
@@ -51,7 +36,6 @@ struct RenderOptions {
   std::function<void(std::string)> checkpoint;
   double checkpointSeconds = 30;            ///< From the end of one to the next; longer where they take long.
   bool profile = false;                     ///< Look where the threads are, a thousand times a second.
-  CostMap* cost = nullptr;                  ///< Added to, if there is one.
   const std::atomic<bool>* stop = nullptr;  ///< Set by somebody: the render ends soon; the film keeps what is complete.
 };
 

@@ -2,9 +2,27 @@
 
 #include <algorithm>
 
+#include "core/base/random.h"
+#include "core/render/aov/first_hit.h"
+
 namespace aerosol::render {
 
 namespace {
+
+/// Which of the picture's two halves a sample belongs to. Of each two neighbours one is in either, by a hash: the
+/// halves are as large as each other, and no dimension of a low-discrepancy sequence falls apart into them.
+bool isInFirstHalf(const PathId& id) {
+  const std::uint64_t pair = mixBits(pixelKey(id.sample / 2, id.x, id.y));
+  return (id.sample & 1u) == (pair & 1u);
+}
+
+/// A path with what its AOVs take beside its light.
+volume::Task<Radiance> traceRecorded(PathContext& path, const Integrator& integrator, CameraSample camera,
+                                     Ray<World> ray) {
+  path.record->begin();
+  co_await recordFirstHit(path, camera, ray);
+  co_return co_await integrator.trace(path, ray);
+}
 
 /// Paths ahead of the one that runs whose frames are fetched: several hundred frames do not fit the nearest cache.
 constexpr std::size_t prefetchDistance = 3;
@@ -17,6 +35,8 @@ Worker::Worker(SharedWork shared) : shared_(shared), queues_(shared.scene, stati
   for (std::uint32_t i = 0; i < count; ++i) {
     slots_[i].path = std::make_unique<PathContext>(shared.scene, *this, statistics_);
     paths_.push_back(slots_[i].path.get());
+    if (!shared.film.layout().isEmpty()) slots_[i].record = std::make_unique<PathRecord>(*shared.scene.aovs);
+    slots_[i].path->record = slots_[i].record.get();
     free_.push_back(count - 1 - i);
   }
 }
@@ -63,7 +83,7 @@ bool Worker::startPath(std::uint32_t index) {
     current_ = open_.back().get();
     current_->work = *work;
     current_->started = 0;
-    current_->samples.reset(work->area, work->firstSample, work->endSample);
+    current_->samples.reset(work->area, work->firstSample, work->endSample, shared_.film.layout().width);
   }
   OpenTile& tile = *current_;
   const std::size_t samples = tile.work.endSample - tile.work.firstSample;
@@ -86,7 +106,9 @@ bool Worker::startPath(std::uint32_t index) {
   slot.tile = &tile;
   slot.filterWeight = offset.weight;
   slot.path->restart(id, random);
-  slot.task.emplace(shared_.integrator.trace(*slot.path, scene.camera->ray(camera)));
+  const Ray<World> ray = scene.camera->ray(camera);
+  slot.task.emplace(slot.record ? traceRecorded(*slot.path, shared_.integrator, camera, ray)
+                                : shared_.integrator.trace(*slot.path, ray));
   running_ = index;
   slot.task->start();
   if (!slot.path->isWaiting()) finish(index);
@@ -107,8 +129,14 @@ void Worker::finish(std::uint32_t index) {
   slot.task.reset();
   const PathId& id = slot.path->id();
   OpenTile& tile = *slot.tile;
-  tile.samples.add(id.x, id.y, id.sample, radiance.color * slot.filterWeight, radiance.alpha);
-  if (shared_.options.cost) shared_.options.cost->add(id.x, id.y, slot.path->questionCount());
+  std::span<const float> aovs;
+  if (slot.record) {
+    aovs = slot.record->finish({.color = radiance.color,
+                                .filterWeight = slot.filterWeight,
+                                .isInFirstHalf = isInFirstHalf(id),
+                                .cost = static_cast<float>(slot.path->questionCount())});
+  }
+  tile.samples.add(id.x, id.y, id.sample, radiance.color * slot.filterWeight, radiance.alpha, aovs);
   ++statistics_.samples;
   if (tile.samples.isComplete()) close(&tile);
   free_.push_back(index);

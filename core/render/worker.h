@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/render/aov/path_record.h"
 #include "core/render/film.h"
 #include "core/render/integrator.h"
 #include "core/render/kernel_queue.h"
@@ -48,6 +49,7 @@ class Worker final : public QuestionSink {
   struct Slot {
     std::unique_ptr<PathContext> path;
     std::optional<volume::Task<Radiance>> task;
+    std::unique_ptr<PathRecord> record;  ///< Null without AOVs.
     OpenTile* tile = nullptr;
     float filterWeight = 1;
   };

@@ -134,6 +134,14 @@ struct Medium {
 /// How volume primitives along a ray are found (accel::OverlapDesign).
 enum class OverlapChoice : std::uint8_t { automatic, split, partition };
 
+/// A quantity to be shown beside the picture.
+struct AovRequest {
+  std::string name;             ///< Of the layer.
+  std::string quantity;         ///< What the renderer knows it by, or a light path expression.
+  SourceLocation location;      ///< Nothing: the command line.
+  bool isSecondMoment = false;  ///< The mean of its square.
+};
+
 struct Integrator {
   std::string type = "path";
   int maxDepth = -1;  ///< Longest path: 1 shows emitters, 2 direct light …; -1 is unbounded.
@@ -147,6 +155,8 @@ struct Integrator {
   float stepScale = 1;       ///< Factor on all ray marching steps, > 0.
   int boundBoxes = 1 << 16;  ///< Boxes over which bounds of all media together may be evaluated, at least 0.
   int boundMegabytes = 256;  ///< Memory for the bounds of all media together.
+  std::string aovList;       ///< As written; of an integrator around another one.
+  std::vector<AovRequest> aovs;
   Origin origin;
 };
 
@@ -259,6 +269,7 @@ struct Emitter {
   float sunAperture = 0.5338f;  ///< Degrees across the disc.
   /// A shader among the materials, of which the weight of the only closure multiplies what is emitted.
   std::optional<std::size_t> texture;
+  std::string lightGroup;  ///< The picture of its light alone; empty: none.
   Origin origin;
 };
 
@@ -303,6 +314,7 @@ struct Shape {
   int priority = 0;                    ///< Of what is inside, where the material does not say; 0: off.
   bool clipVolumes = false;            ///< Where the inside rules there are no volume primitives.
   std::optional<Emitter> emitter;      ///< An area light.
+  std::string lightGroup;              ///< Of all that shines from it, but for a light with its own; empty: none.
   std::vector<NamedValue> attributes;  ///< For shaders that ask: "user:…".
   Origin origin;
 

@@ -9,6 +9,7 @@
 #include "core/scene/checks.h"
 #include "core/scene/grouped_placement.h"
 #include "core/scene/id_table.h"
+#include "core/scene/integrator_reader.h"
 #include "core/scene/property_reader.h"
 #include "core/scene/shader_builder.h"
 #include "core/scene/syntax.h"
@@ -32,9 +33,7 @@ class SceneBuilder {
   SceneDescription build() {
     readSensorTree();
     if (const Element* integrator = singleOf("integrator")) {
-      const auto type = readTyped(*integrator, integratorTypes(), scene_.integrator);
-      if (type && integratorTypes()[*type].type == "direct") scene_.integrator.maxDepth = 2;
-      ids_.children(*integrator, {}, reporter_);
+      readIntegrator(*integrator, ids_, reporter_, scene_.integrator);
     } else {
       scene_.integrator.origin.location = tree_.scene.location;
     }

@@ -8,6 +8,22 @@ namespace aerosol::scene {
 
 namespace {
 
+/// A name that layers of files can bear.
+std::string problemOfGroup(const std::string& name) {
+  const bool isName = !name.empty() && name.find_first_not_of(
+                                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                           "0123456789_-") == std::string::npos;
+  return isName ? "" : "the name of a light group has letters, digits, _ and -";
+}
+
+template <class T>
+Field<T> lightGroupField(const char* doc) {
+  return {{.name = "light_group", .type = ValueType::string, .doc = doc}, [](T& object, const Value& value) {
+            object.lightGroup = std::get<std::string>(value);
+            return problemOfGroup(object.lightGroup);
+          }};
+}
+
 std::vector<Field<Shape>> shapeFields(bool fromFile) {
   std::vector<Field<Shape>> fields = {
       field<&Shape::toWorld>({.name = "to_world", .doc = "the shape's own space to world", .defaultText = "identity"}),
@@ -19,6 +35,7 @@ std::vector<Field<Shape>> shapeFields(bool fromFile) {
                                .range = Range::atLeast(0)}),
       field<&Shape::clipVolumes>(
           {.name = "clip_volumes", .doc = "where this shape's inside rules there are no volume primitives"})};
+  fields.push_back(lightGroupField<Shape>("of all that shines from it, as of an emitter"));
   if (!fromFile) return fields;
   fields.push_back(
       field<&Shape::faceNormals>({.name = "face_normals", .doc = "flat triangles: normals of the file are not used"}));
@@ -175,6 +192,22 @@ std::vector<Field<Integrator>> directFields() {
   return fields;
 }
 
+std::vector<Field<Integrator>> withoutEffect(std::initializer_list<const char*> names) {
+  std::vector<Field<Integrator>> fields;
+  for (const char* name : names) fields.push_back(fieldWithoutEffect<Integrator>(name, ValueType::integer));
+  return fields;
+}
+
+std::vector<Field<Integrator>> aovFields() {
+  std::vector<Field<Integrator>> fields = withoutEffect({"samples_per_pass", "block_size"});
+  fields.insert(fields.begin(), field<&Integrator::aovList>(
+                                    {.name = "aovs",
+                                     .doc = "what to show: NAME:QUANTITY,… with the quantities of aerosol help aovs, "
+                                            "or light path expressions",
+                                     .defaultText = "none"}));
+  return fields;
+}
+
 }  // namespace
 
 const std::vector<TypeTable<Integrator>>& integratorTypes() {
@@ -222,7 +255,19 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
              fieldWithoutEffect<Integrator>("use_spectral_mis", ValueType::boolean)}},
        {.type = "direct",
         .doc = "what lights reach at once: path tracing with a max_depth of 2",
-        .fields = directFields()}};
+        .fields = directFields()},
+       {.type = "depth",
+        .doc = "distance from the camera to the first surface, whatever it is made of; 0 where there is none",
+        .fields = withoutEffect({"samples_per_pass", "block_size"})},
+       {.type = "aov",
+        .doc = "the picture of the integrator inside (black without one), and other quantities beside it in EXR files",
+        .fields = aovFields(),
+        .nested = "an integrator, by whose name its picture is there once more"},
+       {.type = "moment",
+        .doc = "the picture of the integrator inside, and the means of its samples and of their squares, in CIE XYZ, "
+               "beside it in EXR files",
+        .fields = withoutEffect({"samples_per_pass", "block_size"}),
+        .nested = "an integrator"}};
   return tables;
 }
 
@@ -249,37 +294,43 @@ const std::vector<TypeTable<Shape>>& shapeTypes() {
 }
 
 const std::vector<TypeTable<Emitter>>& emitterTypes() {
-  static const std::vector<TypeTable<Emitter>> tables = {
-      {.type = "point",
-       .doc = "light from one point",
-       .fields = {field<&Emitter::position>({.name = "position", .unit = "scene units", .doc = "place in the world"}),
-                  placementField("instead of position: moves the origin to the light"),
-                  emittedField("intensity", "W/sr", "radiant intensity"),
-                  field<&Emitter::radius>({.name = "radius",
-                                           .unit = "scene units",
-                                           .doc = "no ray through media comes nearer than this; 0: only rays that meet "
-                                                  "the light are kept off, by 1e-4 of their way through media",
-                                           .range = Range::atLeast(0)})}},
-      {.type = "directional",
-       .doc = "parallel light from far away",
-       .fields = {directionField(), placementField("instead of direction: turns +z into it"),
-                  emittedField("irradiance", "W/m^2", "irradiance at right angles to the light")}},
-      {.type = "constant",
-       .doc = "equal light from everywhere far away",
-       .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance")}},
-      {.type = "area",
-       .doc = "light from the surface of the shape it stands in",
-       .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance, or a texture of it")},
-       .nested = "texture named radiance"},
-      {.type = "envmap", .doc = "light from all around, by an image", .fields = environmentFields()},
-      {.type = "spot", .doc = "light from one point into a cone", .fields = spotFields(), .nested = "texture"},
-      {.type = "projector",
-       .doc = "a picture that is projected from one point, as a perspective camera sees",
-       .fields = projectorFields(),
-       .nested = "texture named irradiance"},
-      {.type = "sunsky",
-       .doc = "the sun and a clear sky, by the model of Preetham, Shirley and Smits (1999)",
-       .fields = sunSkyFields()}};
+  static const std::vector<TypeTable<Emitter>> tables = [] {
+    std::vector<TypeTable<Emitter>> all = {
+        {.type = "point",
+         .doc = "light from one point",
+         .fields = {field<&Emitter::position>({.name = "position", .unit = "scene units", .doc = "place in the world"}),
+                    placementField("instead of position: moves the origin to the light"),
+                    emittedField("intensity", "W/sr", "radiant intensity"),
+                    field<&Emitter::radius>({.name = "radius",
+                                             .unit = "scene units",
+                                             .doc =
+                                                 "no ray through media comes nearer than this; 0: only rays that meet "
+                                                 "the light are kept off, by 1e-4 of their way through media",
+                                             .range = Range::atLeast(0)})}},
+        {.type = "directional",
+         .doc = "parallel light from far away",
+         .fields = {directionField(), placementField("instead of direction: turns +z into it"),
+                    emittedField("irradiance", "W/m^2", "irradiance at right angles to the light")}},
+        {.type = "constant",
+         .doc = "equal light from everywhere far away",
+         .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance")}},
+        {.type = "area",
+         .doc = "light from the surface of the shape it stands in",
+         .fields = {emittedField("radiance", "W/(m^2 sr)", "radiance, or a texture of it")},
+         .nested = "texture named radiance"},
+        {.type = "envmap", .doc = "light from all around, by an image", .fields = environmentFields()},
+        {.type = "spot", .doc = "light from one point into a cone", .fields = spotFields(), .nested = "texture"},
+        {.type = "projector",
+         .doc = "a picture that is projected from one point, as a perspective camera sees",
+         .fields = projectorFields(),
+         .nested = "texture named irradiance"},
+        {.type = "sunsky",
+         .doc = "the sun and a clear sky, by the model of Preetham, Shirley and Smits (1999)",
+         .fields = sunSkyFields()}};
+    for (TypeTable<Emitter>& table : all)
+      table.fields.push_back(lightGroupField<Emitter>("its light is a layer of its own with --aov light_groups"));
+    return all;
+  }();
   return tables;
 }
 

@@ -27,6 +27,7 @@ class Diffuse final : public Closure {
   std::string_view doc() const override { return "Ideal matte reflection"; }
   std::span<const DescribedField> fields() const override { return diffuseFields; }
   ClosureKind kind() const override { return ClosureKind::scattering; }
+  ClosureTraits traits() const override { return {.isDiffuse = true}; }
 
   Color evaluate(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const override {
     return Color(pdf(parameters, point, toLight));

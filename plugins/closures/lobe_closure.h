@@ -24,7 +24,8 @@ inline bool isOnItsSide(const ClosurePoint& point, Vector<World> toLight, bool r
 }
 
 /// A scattering closure of a `Lobe`: a class with `name`, `doc`, `fields` and `traits`, made of parameters and point,
-/// that is asked for `isVisible`, `evaluate`, `pdf`, `sample` and `albedo`.
+/// that is asked for `isVisible`, `evaluate`, `pdf`, `sample` and `albedo`, and for `evaluateDiffuse` where only a part
+/// of it is matte.
 template <class Lobe>
 class LobeClosure final : public Closure {
  public:
@@ -37,6 +38,15 @@ class LobeClosure final : public Closure {
   Color evaluate(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const override {
     const Lobe lobe(parameters, point);
     return lobe.isVisible() ? lobe.evaluate(toLight) : Color();
+  }
+  Color evaluateDiffuse(std::span<const float> parameters, const ClosurePoint& point,
+                        Vector<World> toLight) const override {
+    if constexpr (requires(const Lobe& lobe) { lobe.evaluateDiffuse(toLight); }) {
+      const Lobe lobe(parameters, point);
+      return lobe.isVisible() ? lobe.evaluateDiffuse(toLight) : Color();
+    } else {
+      return Closure::evaluateDiffuse(parameters, point, toLight);
+    }
   }
   float pdf(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const override {
     const Lobe lobe(parameters, point);
@@ -79,7 +89,11 @@ class CosineLobe {
   static constexpr std::string_view name = Model::name;
   static constexpr std::string_view doc = Model::doc;
   static constexpr auto& fields = Model::fields;
-  static constexpr ClosureTraits traits = Model::traits;
+  static constexpr ClosureTraits traits = [] {
+    ClosureTraits matte = Model::traits;
+    matte.isDiffuse = true;
+    return matte;
+  }();
 
   /// Cosines to the normal, which is on the viewer's side, and between viewer and light.
   struct Setting {

@@ -90,14 +90,12 @@ class Principled {
                           ClearCoat::seen(m->light);
       value += Color(0.25f * coatWeight_ * shine * m->light.z);
     }
-    const disney::Sheet& s = sheet_;
-    if (opaque_ > 0) {
-      value +=
-          disney::diffuse({s.roughness, s.flatness, 0, 0}, base_, viewer_.z, m->light.z, lh) * (opaque_ * m->light.z);
-      const Color sheen = disney::mix(Color(1), disney::tintOf(base_), s.sheenTint);
-      value += sheen * (s.sheen * (1 - metallic_) * disney::grazing(lh) * m->light.z);
-    }
-    return value;
+    return value + matte(*m);
+  }
+
+  Color evaluateDiffuse(Vector<World> toLight) const {
+    const std::optional<Meeting> m = meetingOf(toLight);
+    return m && m->reflects && isFront_ ? matte(*m) : Color();
   }
 
   float pdf(Vector<World> toLight) const {
@@ -173,6 +171,16 @@ class Principled {
     if (m.h.z < 0) m.h = -m.h;
     m.agrees = dot(viewer_, m.h) > 0 && (dot(m.light, m.h) > 0) == m.reflects;
     return m;
+  }
+
+  /// Diffuse reflection and sheen, on the front.
+  Color matte(const Meeting& m) const {
+    if (!(opaque_ > 0)) return {};
+    const disney::Sheet& s = sheet_;
+    const float lh = dot(m.light, m.h);
+    const Color sheen = disney::mix(Color(1), disney::tintOf(base_), s.sheenTint);
+    return disney::diffuse({s.roughness, s.flatness, 0, 0}, base_, viewer_.z, m.light.z, lh) * (opaque_ * m.light.z) +
+           sheen * (s.sheen * (1 - metallic_) * disney::grazing(lh) * m.light.z);
   }
 
   /// Dielectric, its tinted kind and metal, by their parts.

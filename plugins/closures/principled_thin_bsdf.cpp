@@ -51,14 +51,15 @@ class PrincipledThin {
     const float vh = dot(viewer_, m->h), f = fresnelDielectric(vh, eta_);
     const Microfacets& facets = m->reflects ? reflecting_ : transmitting_;
     const float shape = facets.density(m->h) * facets.seenByBoth(viewer_, m->mirrored) / (4 * viewer_.z);
-    if (!m->reflects) {
-      return base_ * (clear_ * (1 - f) * shape + (1 - clear_) * passing_ * inversePi * m->mirrored.z);
-    }
+    if (!m->reflects) return base_ * (clear_ * (1 - f) * shape) + matte(*m);
     const Color facing = disney::tintOf(base_) * disney::facingReflectance(eta_);
     const Color reflected = disney::mix(Color(f), disney::schlick(facing, vh, eta_), specTint_);
-    const Color diffuse =
-        disney::diffuse(sheet_, base_, viewer_.z, m->mirrored.z, dot(m->mirrored, m->h)) * m->mirrored.z;
-    return reflected * (clear_ * shape) + diffuse * ((1 - clear_) * (1 - passing_));
+    return reflected * (clear_ * shape) + matte(*m);
+  }
+
+  Color evaluateDiffuse(Vector<World> toLight) const {
+    const std::optional<Meeting> m = meetingOf(toLight);
+    return m ? matte(*m) : Color();
   }
 
   float pdf(Vector<World> toLight) const {
@@ -93,6 +94,12 @@ class PrincipledThin {
     Vector<Local> mirrored, h;  ///< The light on the viewer's side.
     bool reflects = false;
   };
+
+  Color matte(const Meeting& m) const {
+    if (!m.reflects) return base_ * ((1 - clear_) * passing_ * inversePi * m.mirrored.z);
+    return disney::diffuse(sheet_, base_, viewer_.z, m.mirrored.z, dot(m.mirrored, m.h)) *
+           (m.mirrored.z * ((1 - clear_) * (1 - passing_)));
+  }
 
   static Microfacets facetsOf(float anisotropic, float roughness) {
     const auto [x, y] = disney::widths(anisotropic, roughness);

@@ -4,6 +4,7 @@
 // the surface the path scatters in the medium with weight σs T / pdf, otherwise it goes on at the surface with weight T
 // / P.
 
+#include "core/render/aov/first_seen.h"
 #include "core/render/direct_light.h"
 #include "core/render/interior.h"
 #include "core/render/lights_along_ray.h"
@@ -47,6 +48,7 @@ struct PathState {
   bool lightsReach = false;  ///< Since lights were sampled the path has only gone through what lets shadow
                              ///< rays pass straight.
   int length = 1;            ///< Segments so far, this ray's included.
+  float wayBefore = 0;       ///< From the camera to where the ray begins; for AOVs.
   std::uint32_t rayTypes = shading::ray::camera;
 };
 
@@ -55,6 +57,11 @@ std::uint32_t rayTypeAfter(const ClosureSample& sample, bool crosses, std::uint3
   if (sample.isPassing) return before;
   if (!sample.isDelta) return shading::ray::diffuse;
   return crosses ? shading::ray::refraction : shading::ray::reflection;
+}
+
+/// Distance from the camera of a point on the path's first stretch.
+float seenDistance(const PathState& state, Point<World> point) {
+  return state.wayBefore + length(point - state.ray.origin);
 }
 
 void continueFrom(PathState& state, Point<World> origin, Vector<World> direction, Color weight) {
@@ -83,6 +90,7 @@ Task<Color> lightAlongRay(PathContext& path, const PathState& state, const Light
   const MediumVertex vertex(path.scene(), *found.medium, state.ray, place, found.anisotropy, state.boundaryMedium,
                             path.media);
   const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time);
+  if (path.record) path.record->addSampled(found.weight * light, inMedium);
   path.setRay(state.ray);
   path.setRayTypes(state.rayTypes);
   co_return found.weight* light;
@@ -94,10 +102,17 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   const PreparedScene& scene = path.scene();
   const PlaceOnRay place{lights, event.t, event.choicePdf};
   const MediumVertex vertex(scene, *event.medium, state.ray, place, event.anisotropy, state.boundaryMedium, path.media);
+  if (path.record) {
+    const float distance = seenDistance(state, vertex.position());
+    co_await seeMedium(path, *event.medium, vertex.position(), distance, state.throughput);
+  }
   if (state.length == scene.path.maxDepth) co_return false;
   beginVertex(path, state.length);
-  radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
+  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
+  radiance.color += state.throughput * light;
+  if (path.record) path.record->addSampled(light, inMedium);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
+  if (path.record) path.record->scatter(inMedium, Color(next.weight));
   state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links()};
   state.rayTypes = shading::ray::diffuse;
   state.lightsReach = true;
@@ -138,6 +153,11 @@ void meetNext(PathState& state, const Nesting& nesting, Vector<World> before) {
   state.touching = hit;
 }
 
+/// Whether light from this direction arrives on the side that the ray came from.
+bool reflects(const accel::SurfaceHit& hit, Vector<World> direction) {
+  return (dot(direction, hit.geometricNormal) > 0) == hit.entering;
+}
+
 /// Emission and scattering at an opaque surface, unless a medium of higher priority hides it. `passed` becomes what was
 /// gone through when the ray passes.
 Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, accel::SurfaceHit hit,
@@ -169,12 +189,18 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
       emitted *= co_await lightTexture(path, *object.light, met);
     }
     radiance.color += state.throughput * emitted;
+    if (path.record) path.record->addFromLight(emitted, *object.light);
   }
   if (const auto invalid = closures.invalidSite()) [[unlikely]] {
     ++path.statistics().invalidClosures;
     scene.messages->reportInvalidSurface(hit.object, *invalid, hit.point, path.id());
   }
   radiance.color += state.throughput * closures.mix().emitted();
+  if (path.record) {
+    path.record->addFromObject(closures.mix().emitted(), hit.object);
+    if (!closures.mix().isPassing())
+      seeSurface(path, closures.mix(), hit.shadingNormal, seenDistance(state, hit.point), state.throughput);
+  }
   if (state.length == scene.path.maxDepth) co_return Step::ends;
 
   beginVertex(path, state.length);
@@ -187,7 +213,12 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   const bool lightsPassed = state.lightsReach && object.passesShadows;
   const SurfaceVertex vertex(hit, closures.mix(), {state.boundaryMedium, path.media},
                              {behind, nesting.isInterface ? path.mediaBehind : path.media}, lightsPassed);
-  radiance.color += state.throughput * co_await estimateDirectLight(path, vertex, state.ray.time);
+  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
+  radiance.color += state.throughput * light;
+  if (path.record && !isBlack(light)) {
+    const Vector<World> towards = path.record->litDirection();
+    path.record->addSampled(light, ScatterShares(closures.mix(), towards, reflects(hit, towards)));
+  }
   ClosureUniforms uniforms;
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().next1D();
@@ -195,6 +226,10 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   if (!next) co_return Step::ends;
   const Vector<World> before = state.ray.direction;
   const bool crosses = dot(next->direction, hit.geometricNormal) * dot(before, hit.geometricNormal) > 0;
+  if (path.record) {
+    path.record->scatter(ScatterShares(closures.mix(), *next, !crosses), next->weight);
+    state.wayBefore = seenDistance(state, hit.point);
+  }
   state.rayTypes = rayTypeAfter(*next, crosses, state.rayTypes);
   // Light from behind such a surface came straight to where lights were sampled last; bent light is not to be added.
   const bool isReplaced = lightsPassed && crosses;
@@ -219,6 +254,7 @@ bool survivesRoulette(PathContext& path, PathState& state) {
   const float survival = std::min(maximum(abs(state.throughput)), 0.999f);
   if (!(path.random().nextHash() < survival)) return false;
   state.throughput = state.throughput / survival;
+  if (path.record) path.record->weaken(Color(1 / survival));
   return true;
 }
 
@@ -255,9 +291,11 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       // Lights are sampled up to the first surface, whatever it is.
       const float weight = passed ? 1.0f : metEmissionWeight(scene, state.ray.direction, state.direction);
       radiance.color += state.throughput * event.emission * weight;
+      if (path.record) path.record->addFromMedia(event.emission * weight);
     }
     if (lit) radiance.color += state.throughput * co_await lightAlongRay(path, state, lights, *lit, given.sample);
     state.throughput *= event.weight;
+    if (path.record) path.record->weaken(event.weight);
     if (event.event == DistanceEvent::absorbed) break;
 
     if (event.event == DistanceEvent::scattered) {
@@ -267,7 +305,9 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       goesOn = co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state);
     } else if (!hit) {
       const bool isHidden = scene.path.hideEmitters && state.length == 1;
-      if (!isHidden) radiance.color += state.throughput * escapedLight(scene, state.ray.direction, state.direction);
+      if (!isHidden) {
+        radiance.color += state.throughput * escapedLight(scene, state.ray.direction, state.direction, path.record);
+      }
       if (!isHidden && !scene.lights.infinite().empty()) radiance.alpha = 1;
       goesOn = false;
     } else if (scene.objects[hit->object].isBoundary) {

@@ -81,17 +81,21 @@ TEST_F(Accuracy, CostIsExplainedAndWritten) {
   EXPECT_THAT(json, HasSubstr("\"shader\": \"wisps\""));
   EXPECT_THAT(json, HasSubstr("\"samples\": 196608"));
   const image::ImageBuffer a = picture("a.exr");
-  ASSERT_EQ(a.channels, (std::vector<std::string>{"R", "G", "B", "cost", "samples", "error.R", "error.G", "error.B"}));
-  // A corner sees no medium: it costs nothing and has no error.
-  EXPECT_EQ(a.pixels[3], 0);
-  EXPECT_EQ(a.pixels[4], 256);
-  const std::size_t centre = (12 * 32 + 16) * 8;
-  EXPECT_GT(a.pixels[centre + 3], 1);
-  EXPECT_GT(a.pixels[centre + 5], 0);
+  ASSERT_EQ(a.layers.size(), 3u);
+  const image::ImageLayer &cost = a.layers[0], &error = a.layers[1], &samples = a.layers[2];
+  EXPECT_EQ(cost.channels, (std::vector<std::string>{"cost.N"}));
+  EXPECT_EQ(error.channels, (std::vector<std::string>{"error.R", "error.G", "error.B"}));
+  EXPECT_EQ(samples.name, "samples");
+  // A corner sees no medium: it costs nothing.
+  EXPECT_EQ(cost.pixels[0], 0);
+  EXPECT_EQ(samples.pixels[0], 256);
+  const std::size_t centre = 12 * 32 + 16;
+  EXPECT_GT(cost.pixels[centre], 1);
+  EXPECT_GT(error.pixels[3 * centre], 0);
   // The map is the same for any number of threads.
   run({"render", "wisps.xml", "-o", "b.exr", "--spp", "256", "--aov", "cost", "--threads", "1", "-q"});
   const image::ImageBuffer b = picture("b.exr");
-  EXPECT_EQ(a.pixels[centre + 3], b.pixels[(12 * 32 + 16) * 4 + 3]);
+  EXPECT_EQ(cost.pixels, b.layers.at(0).pixels);
 }
 
 TEST_F(Accuracy, AStudyIsKilledAndCarriedOn) {

@@ -61,7 +61,13 @@ class Parts : public testing::Test {
   bool samePixels(const std::string& a, const std::string& b) const {
     const image::ImageBuffer p = picture(a), q = picture(b);
     return p.width == q.width && p.height == q.height && p.originX == q.originX && p.originY == q.originY &&
-           p.fullWidth == q.fullWidth && p.channels == q.channels && p.pixels == q.pixels;
+           p.fullWidth == q.fullWidth && p.channels == q.channels && p.pixels == q.pixels && sameLayers(p, q);
+  }
+  static bool sameLayers(const image::ImageBuffer& a, const image::ImageBuffer& b) {
+    return std::equal(a.layers.begin(), a.layers.end(), b.layers.begin(), b.layers.end(),
+                      [](const image::ImageLayer& p, const image::ImageLayer& q) {
+                        return p.name == q.name && p.channels == q.channels && p.pixels == q.pixels;
+                      });
   }
   std::string note(const std::string& file, const std::string& key) const {
     for (const image::Metadata& entry : picture(file).metadata) {
@@ -106,6 +112,37 @@ TEST_F(Parts, CropsAndMergesOfMergesAreTheWhole) {
   // One crop may be all that is wanted.
   merge({"9,7,11,11.exr", "--crop", "9,7,11,11", "-o", "corner.exr"});
   EXPECT_EQ(picture("corner.exr").width, 11);
+}
+
+TEST_F(Parts, AovsAreMergedAndCarriedOn) {
+  const std::string aovs = "direct,volume,depth,denoise,cost,samples,error,first=CV[LOB]";
+  const auto part = [&](std::vector<std::string> options) {
+    options.insert(options.end(), {"--spp", "40", "--aov", aovs});
+    return render(options);
+  };
+  part({"-o", "whole.exr"});
+  ASSERT_EQ(picture("whole.exr").layers.size(), 15u);
+  EXPECT_EQ(note("whole.exr", "aerosol:aovs").substr(0, 20), "direct, volume, dept");
+  part({"--samples", "0:7", "-o", "a.exr", "--threads", "1"});
+  part({"--samples", "7:40", "-o", "b.exr", "--crop", "0,0,20,5"});
+  part({"--samples", "7:40", "-o", "c.exr", "--crop", "0,5,20,13"});
+  merge({"c.exr", "a.exr", "b.exr", "-o", "merged.exr"});
+  EXPECT_TRUE(samePixels("whole.exr", "merged.exr"));
+  // Killed at some time and carried on.
+  folder_.run({"render", "fog.xml", "--spp", "3000", "--aov", aovs, "-o", "killed.exr", "--checkpoint", "0.2s", "-q"},
+              1200ms);
+  if (folder_.has("killed.checkpoint.exr")) {
+    const Outcome other = folder_.run({"render", "fog.xml", "--spp", "3000", "-o", "killed.exr", "--resume", "-q"});
+    EXPECT_THAT(other.err, HasSubstr("it has other AOVs"));
+  }
+  // Parts with other AOVs are no parts.
+  render({"--samples", "7:40", "--spp", "40", "-o", "d.exr", "--aov", "direct"});
+  const Outcome refused = merge({"a.exr", "d.exr", "-o", "x.exr"}, 1);
+  EXPECT_THAT(refused.err, HasSubstr("this part has other AOVs than a.exr: direct, not direct, volume"));
+  // A render that is done already is not when other layers are asked for.
+  part({"-o", "whole.exr", "--resume"});
+  render({"-o", "whole.exr", "--resume", "--spp", "40", "--aov", "depth"});
+  EXPECT_EQ(picture("whole.exr").layers.size(), 1u);
 }
 
 TEST_F(Parts, LostAndDoubledTasksAreNoticed) {

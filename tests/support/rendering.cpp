@@ -78,7 +78,8 @@ TestScene::~TestScene() = default;
 
 std::unique_ptr<render::Film> TestScene::film(std::optional<render::PixelRect> crop) const {
   const scene::Film& film = description_->film;
-  return std::make_unique<render::Film>(crop.value_or(render::PixelRect{0, 0, film.width, film.height}));
+  return std::make_unique<render::Film>(crop.value_or(render::PixelRect{0, 0, film.width, film.height}),
+                                        scene_ && scene_->aovs ? scene_->aovs->layout : render::AovLayout{});
 }
 
 render::RenderReport TestScene::renderInto(render::Film& film, const render::RenderOptions& options) const {
@@ -118,10 +119,11 @@ std::string sceneXml(const std::string& integrator, const TestSensor& sensor, co
 }
 
 bool identical(const render::Film& a, const render::Film& b) {
-  if (!(a.area() == b.area())) return false;
+  if (!(a.area() == b.area()) || a.layout() != b.layout()) return false;
   for (int y = a.area().y0; y < a.area().y1; ++y) {
     for (int x = a.area().x0; x < a.area().x1; ++x) {
       if (!(a.pixel(x, y) == b.pixel(x, y))) return false;
+      if (!a.layout().isEmpty() && !(a.aovs(x, y) == b.aovs(x, y))) return false;
     }
   }
   return true;

@@ -34,7 +34,7 @@ class TestScene {
   const render::PreparedScene* scene() const { return scene_.get(); }
   const scene::SceneDescription& description() const { return *description_; }
 
-  /// The whole film, or `crop` of it.
+  /// The whole film, or `crop` of it, with the AOVs of the scene.
   std::unique_ptr<render::Film> film(std::optional<render::PixelRect> crop = {}) const;
   render::RenderReport renderInto(render::Film& film, const render::RenderOptions& options) const;
   /// Samples 0 ≤ i < `samples` of all pixels, on one thread.
@@ -63,7 +63,7 @@ struct TestSensor {
 /// `<scene>` with an integrator of the given parameters (elements), the sensor and the rest.
 std::string sceneXml(const std::string& integrator, const TestSensor& sensor, const std::string& content);
 
-/// The same samples in every pixel, bit by bit.
+/// The same samples in every pixel, bit by bit, AOVs included.
 bool identical(const render::Film& a, const render::Film& b);
 
 }  // namespace aerosol::test

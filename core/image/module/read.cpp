@@ -27,19 +27,38 @@ void copyMetadata(const OIIO::ImageSpec& spec, std::vector<Metadata>& metadata) 
   }
 }
 
-/// Reads the attachment, if the file has one.
-std::string readAttachment(OIIO::ImageInput& input, std::string& bytes) {
+std::string readAttachment(OIIO::ImageInput& input, int part, std::string& bytes) {
+  const OIIO::ImageSpec& spec = input.spec();
+  if (spec.nchannels != 1 || spec.format != OIIO::TypeDesc::UINT32) return "its attachment has another form";
+  std::vector<std::uint32_t> words(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
+  if (!input.read_image(part, 0, 0, 1, OIIO::TypeDesc::UINT32, words.data())) return input.geterror();
+  if (words.size() < 2) return "its attachment is damaged";
+  const std::uint64_t size = words[0] | std::uint64_t{words[1]} << 32;
+  if (size > 4 * (words.size() - 2)) return "its attachment is damaged";
+  bytes.assign(reinterpret_cast<const char*>(words.data() + 2), size);
+  return {};
+}
+
+/// Reads the parts behind the picture. Those that show other pixels are left out.
+std::string readParts(OIIO::ImageInput& input, ImageBuffer& image) {
   for (int part = 1; input.seek_subimage(part, 0); ++part) {
     const OIIO::ImageSpec& spec = input.spec();
-    if (spec.get_string_attribute("oiio:subimagename") != attachmentName) continue;
-    if (spec.nchannels != 1 || spec.format != OIIO::TypeDesc::UINT32) return "its attachment has another form";
-    std::vector<std::uint32_t> words(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
-    if (!input.read_image(part, 0, 0, 1, OIIO::TypeDesc::UINT32, words.data())) return input.geterror();
-    if (words.size() < 2) return "its attachment is damaged";
-    const std::uint64_t size = words[0] | std::uint64_t{words[1]} << 32;
-    if (size > 4 * (words.size() - 2)) return "its attachment is damaged";
-    bytes.assign(reinterpret_cast<const char*>(words.data() + 2), size);
-    return {};
+    const std::string name(spec.get_string_attribute("oiio:subimagename"));
+    if (name == attachmentName) {
+      if (std::string problem = readAttachment(input, part, image.attachment); !problem.empty()) return problem;
+      continue;
+    }
+    const bool isSame = spec.width == image.width && spec.height == image.height && !spec.deep &&
+                        spec.x - spec.full_x == image.originX && spec.y - spec.full_y == image.originY;
+    if (!isSame) continue;
+    ImageLayer& layer = image.layers.emplace_back();
+    layer.name = name;
+    layer.channels = spec.channelnames;
+    layer.isData = spec.format == OIIO::TypeDesc::FLOAT;
+    layer.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
+                        static_cast<std::size_t>(spec.nchannels));
+    if (!input.read_image(part, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, layer.pixels.data()))
+      return input.geterror();
   }
   static_cast<void>(input.geterror());  // Of looking behind the last part.
   return {};
@@ -66,7 +85,7 @@ std::string read(const std::string& path, ImageBuffer& image) {
     return input->geterror();
   }
   copyMetadata(spec, image.metadata);
-  return readAttachment(*input, image.attachment);
+  return readParts(*input, image);
 }
 
 }  // namespace

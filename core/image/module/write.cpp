@@ -6,6 +6,7 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <optional>
 
 #include "core/image/module/display.h"
 #include "core/image/module/files.h"
@@ -77,25 +78,44 @@ struct AttachmentPart {
   }
 };
 
-std::string storeWithAttachment(const std::string& path, OIIO::ImageSpec spec, const std::vector<float>& pixels,
-                                const std::string& attachment, const std::string& compression) {
-  const AttachmentPart part(attachment, spec, compression);
-  spec.attribute("oiio:subimagename", "picture");
+constexpr float largestHalf = 65504;
+
+/// Pixels as a part of an EXR.
+struct PicturePart {
+  OIIO::ImageSpec spec;
+  const std::vector<float>& pixels;
+
+  /// What half floats cannot hold becomes the largest that they can.
+  std::vector<float> saturated() const {
+    std::vector<float> values(pixels);
+    for (float& value : values) {
+      if (std::isfinite(value)) value = std::clamp(value, -largestHalf, largestHalf);
+    }
+    return values;
+  }
+  bool write(OIIO::ImageOutput& output) const {
+    const bool isHalf = spec.format == OIIO::TypeDesc::HALF;
+    return output.write_image(OIIO::TypeDesc::FLOAT, isHalf ? saturated().data() : pixels.data());
+  }
+};
+
+std::string storeParts(const std::string& path, const std::vector<PicturePart>& pictures,
+                       const std::optional<AttachmentPart>& attachment) {
   const auto output = OIIO::ImageOutput::create("openexr");
   if (!output) return "OpenImageIO cannot write this format: " + OIIO::geterror();
-  const OIIO::ImageSpec parts[] = {spec, part.spec};
-  if (!output->open(path, 2, parts) || !output->write_image(OIIO::TypeDesc::FLOAT, pixels.data()) ||
-      !output->open(path, part.spec, OIIO::ImageOutput::AppendSubimage) ||
-      !output->write_image(OIIO::TypeDesc::UINT32, part.words.data()) || !output->close()) {
-    return output->geterror();
+  std::vector<OIIO::ImageSpec> specs;
+  for (const PicturePart& part : pictures) specs.push_back(part.spec);
+  if (attachment) specs.push_back(attachment->spec);
+  const bool isOpen = specs.size() == 1 ? output->open(path, specs[0])
+                                        : output->open(path, static_cast<int>(specs.size()), specs.data());
+  if (!isOpen) return output->geterror();
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    if (i > 0 && !output->open(path, specs[i], OIIO::ImageOutput::AppendSubimage)) return output->geterror();
+    const bool isWritten = i < pictures.size() ? pictures[i].write(*output)
+                                               : output->write_image(OIIO::TypeDesc::UINT32, attachment->words.data());
+    if (!isWritten) return output->geterror();
   }
-  return {};
-}
-
-std::string storeExr(const std::string& path, const OIIO::ImageSpec& spec, const std::vector<float>& pixels,
-                     const ImageBuffer& image, const WriteOptions& options) {
-  if (image.attachment.empty()) return store(path, "openexr", spec, OIIO::TypeDesc::FLOAT, pixels.data());
-  return storeWithAttachment(path, spec, pixels, image.attachment, options.compression);
+  return output->close() ? std::string() : output->geterror();
 }
 
 std::string writeExr(const std::string& path, const ImageBuffer& image, const WriteOptions& options) {
@@ -117,14 +137,20 @@ std::string writeExr(const std::string& path, const ImageBuffer& image, const Wr
     spec.full_y = image.originY;
   }
   spec.attribute("compression", options.compression);
+  const OIIO::ImageSpec plain = spec;
   setMetadata(spec, image.metadata);
-  if (!isHalf) return storeExr(path, spec, image.pixels, image, options);
-  constexpr float largestHalf = 65504;
-  std::vector<float> saturated(image.pixels);
-  for (float& value : saturated) {
-    if (std::isfinite(value)) value = std::clamp(value, -largestHalf, largestHalf);
+  std::vector<PicturePart> parts = {{spec, image.pixels}};
+  for (const ImageLayer& layer : image.layers) {
+    PicturePart& part = parts.emplace_back(plain, layer.pixels);
+    part.spec.nchannels = static_cast<int>(layer.channels.size());
+    part.spec.channelnames = layer.channels;
+    part.spec.set_format(isHalf && !layer.isData ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
+    part.spec.attribute("oiio:subimagename", layer.name);
   }
-  return storeExr(path, spec, saturated, image, options);
+  std::optional<AttachmentPart> attachment;
+  if (!image.attachment.empty()) attachment.emplace(image.attachment, plain, options.compression);
+  if (parts.size() > 1 || attachment) parts[0].spec.attribute("oiio:subimagename", "picture");
+  return storeParts(path, parts, attachment);
 }
 
 /// [0, 1] to the whole range of `Integer`, rounded to nearest.

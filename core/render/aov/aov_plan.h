@@ -1,0 +1,58 @@
+// What the AOVs that were asked for take: decided when a scene is prepared.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/motion.h"
+#include "core/base/result.h"
+#include "core/render/aov/aov_layout.h"
+#include "core/render/aov/aov_table.h"
+#include "core/render/aov/light_path_automaton.h"
+#include "core/scene/description.h"
+
+namespace aerosol::render {
+
+/// Const; every path reads it.
+struct AovPlan {
+  struct FeatureSlot {
+    AovFeature feature{};
+    std::uint32_t slot = 0;  ///< Its first value; of those that have a weight, that comes last.
+  };
+  struct SquareSlots {
+    std::uint32_t from = 0, to = 0, count = 0;
+  };
+
+  AovLayout layout;
+  LightPathAutomaton automaton;
+  bool followsPaths = false;                   ///< There are expressions.
+  std::vector<std::uint32_t> expressionSlots;  ///< By expression: red, then green and blue.
+  std::size_t labelCount = 1;
+  std::vector<PathSymbol> lightSymbols;   ///< By light: how paths end at it.
+  std::vector<PathSymbol> objectSymbols;  ///< By object, that emits by its shader.
+  std::vector<FeatureSlot> firstHit, firstSeen, picture;
+  std::vector<SquareSlots> squares;
+  std::vector<std::optional<MovingTransform<World, Object>>> objectMotions;  ///< By object, for motion vectors.
+
+  PathSymbol symbol(PathEvent event) const { return symbolOf(event, 0, labelCount); }
+  bool wants(AovFeature feature) const;
+};
+
+/// Of the lights and objects of a scene, in the order of preparation, what the plan needs to know.
+struct AovScene {
+  struct Source {
+    PathEvent end = PathEvent::light;
+    std::string group;  ///< Empty: none.
+  };
+  std::vector<Source> lights, objects;
+  bool tracesPaths = true;  ///< The integrator follows light paths, rather than showing distances.
+};
+
+/// Errors for what cannot be given, each at its request's place, or without one as the command line's.
+Result<std::unique_ptr<AovPlan>> planAovs(std::span<const scene::AovRequest> requests, const AovScene& scene);
+
+}  // namespace aerosol::render

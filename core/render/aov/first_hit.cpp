@@ -1,0 +1,143 @@
+#include "core/render/aov/first_hit.h"
+
+#include <array>
+#include <cmath>
+
+#include "core/render/aov/path_record.h"
+#include "core/render/prepared_scene.h"
+#include "core/render/surface_closures.h"
+
+namespace aerosol::render {
+
+namespace {
+
+using Double3 = std::array<double, 3>;
+
+Double3 toDouble(const auto& v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+double dot(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Where a camera ray meets the tangent plane of a hit, as an offset from it. Nothing where they are parallel.
+std::optional<Double3> onTangentPlane(const accel::SurfaceHit& hit, const Ray<World>& ray) {
+  const Double3 n = toDouble(hit.geometricNormal), o = toDouble(ray.origin), d = toDouble(ray.direction),
+                p = toDouble(hit.point);
+  const double along = dot(n, d);
+  if (along == 0) return {};
+  const double t = (dot(n, p) - dot(n, o)) / along;
+  return Double3{o[0] + t * d[0] - p[0], o[1] + t * d[1] - p[1], o[2] + t * d[2] - p[2]};
+}
+
+/// The change of u and v along a change of position: least squares over the tangents (Igehy 1999, "Tracing Ray
+/// Differentials", as a change of the footprint on the surface).
+std::array<float, 2> changeOfUv(const accel::SurfaceHit& hit, const std::optional<Double3>& step) {
+  if (!step) return {};
+  const Double3 u = toDouble(hit.dPdu), v = toDouble(hit.dPdv);
+  const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), determinant = uu * vv - uv * uv;
+  if (!(std::fabs(determinant) > 1e-30)) return {};
+  const double a = dot(u, *step), b = dot(v, *step);
+  return {static_cast<float>((vv * a - uv * b) / determinant), static_cast<float>((uu * b - uv * a) / determinant)};
+}
+
+/// Where the camera of a time sees a point, in pixels from the film's upper left corner; nothing behind it.
+std::optional<std::array<double, 2>> seenAt(const Camera& camera, Point<World> point, float time) {
+  const Point<aerosol::Camera> p = camera.toWorld(time).inverse()(point);
+  const shading::CameraProjection projection = camera.projection();
+  const auto apply = [](const Matrix4& m, const std::array<double, 4>& v) {
+    std::array<double, 4> result{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) result[i] += m[i][j] * v[j];
+    }
+    return result;
+  };
+  auto screen =
+      apply(projection.toScreen, {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z), 1});
+  if (!(screen[3] > 0)) return {};
+  for (double& value : screen) value /= screen[3];
+  const auto ndc = apply(projection.screenToNdc, screen);
+  return std::array{ndc[0] * projection.width, ndc[1] * projection.height};
+}
+
+std::array<float, 2> motionOf(const PathContext& path, const accel::SurfaceHit& hit, float time) {
+  const PreparedScene& scene = path.scene();
+  const auto& motion = path.record->plan().objectMotions[hit.object];
+  const auto at = [&](float when) {
+    const Point<World> then = motion ? motion->at(when)(motion->at(time).inverse()(hit.point)) : hit.point;
+    return seenAt(*scene.camera, then, when);
+  };
+  const auto from = at(scene.shutter.open), to = at(scene.shutter.close);
+  if (!from || !to) return {};
+  return {static_cast<float>((*to)[0] - (*from)[0]), static_cast<float>((*to)[1] - (*from)[1])};
+}
+
+template <class Three>
+std::array<float, 3> threeOf(const Three& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// All but the albedo.
+void recordGeometry(PathContext& path, const CameraSample& camera, const Ray<World>& ray, const accel::SurfaceHit& hit,
+                    const AovPlan::FeatureSlot& slot) {
+  using F = AovFeature;
+  const auto set = [&](const auto& values) { path.record->set(slot.slot, values); };
+  const auto towards = [&](float dx, float dy) {
+    CameraSample next = camera;
+    next.x += dx;
+    next.y += dy;
+    return changeOfUv(hit, onTangentPlane(hit, path.scene().camera->ray(next)));
+  };
+  switch (slot.feature) {
+    case F::depth:
+      return set(std::array{static_cast<float>(hit.t)});
+    case F::position:
+      return set(threeOf(hit.point));
+    case F::uv:
+      return set(std::array{hit.u, hit.v});
+    case F::geometricNormal:
+      return set(threeOf(hit.geometricNormal));
+    case F::shadingNormal:
+      return set(threeOf(hit.shadingNormal));
+    case F::dPdu:
+      return set(threeOf(hit.dPdu));
+    case F::dPdv:
+      return set(threeOf(hit.dPdv));
+    case F::dUVdx:
+      return set(towards(1, 0));
+    case F::dUVdy:
+      return set(towards(0, 1));
+    case F::primitiveIndex:
+      return set(std::array{static_cast<float>(hit.primitive)});
+    case F::shapeIndex:
+      return set(std::array{static_cast<float>(hit.object + 1)});
+    case F::motion:
+      return set(motionOf(path, hit, ray.time));
+    default:
+      return;
+  }
+}
+
+}  // namespace
+
+volume::Task<> recordFirstHit(PathContext& path, CameraSample camera, Ray<World> ray) {
+  const PreparedScene& scene = path.scene();
+  const auto& slots = path.record->plan().firstHit;
+  if (slots.empty()) co_return;
+  const auto hit = scene.geometry->closestHit(ray, path.spans, path.statistics().accel);
+  if (!hit) co_return;
+  for (const AovPlan::FeatureSlot& slot : slots) {
+    if (slot.feature != AovFeature::albedo) {
+      recordGeometry(path, camera, ray, *hit, slot);
+      continue;
+    }
+    const PreparedObject& object = scene.objects[hit->object];
+    if (object.isBoundary) continue;
+    path.setRay(ray);
+    const shading::ShadingPoint point = shadingPointOf(*hit, ray);
+    co_await path.shade(object.material, point);
+    const SurfaceClosures closures(object, path.surfaceAnswer(), *hit, ray.direction);
+    const Color albedo = closures.mix().albedo();
+    path.record->set(slot.slot, std::array{albedo.r, albedo.g, albedo.b});
+  }
+}
+
+}  // namespace aerosol::render

@@ -1,0 +1,64 @@
+#include "core/render/aov/first_seen.h"
+
+#include <cmath>
+
+namespace aerosol::render {
+
+volume::Task<> seeMedium(PathContext& path, const volume::Medium& medium, Point<World> point, float distance,
+                         Color throughput) {
+  PathRecord& record = *path.record;
+  if (record.hasSeen()) co_return;
+  PathRecord::Seen seen{.weight = throughput, .albedo = Color(1), .normal = {}, .distance = distance};
+  if (record.plan().wants(AovFeature::visibleNormal) && !medium.constant) {
+    const float step = std::isfinite(medium.stepSize) ? 0.5f * medium.stepSize : 0.01f * distance;
+    const Vector<World> axes[] = {{step, 0, 0}, {0, step, 0}, {0, 0, step}};
+    for (const Vector<World>& axis : axes) {
+      path.ask(medium, point + axis, volume::Quantity::extinction);
+      path.ask(medium, point - axis, volume::Quantity::extinction);
+    }
+    const std::span<const volume::Coefficients> answers = co_await path.answers();
+    Vector<World> thinner;
+    for (int i = 0; i < 3; ++i) {
+      const auto at = static_cast<std::size_t>(2 * i);
+      thinner[i] = average(answers[at + 1].sigmaT) - average(answers[at].sigmaT);
+    }
+    const float steepness = length(thinner);
+    if (steepness > 0 && std::isfinite(steepness)) seen.normal = Normal<World>(thinner / steepness);
+  }
+  record.see(seen);
+}
+
+void seeSurface(PathContext& path, const ClosureMix& closures, Normal<World> normal, float distance, Color throughput) {
+  if (path.record->hasSeen()) return;
+  path.record->see({.weight = throughput, .albedo = closures.albedo(), .normal = normal, .distance = distance});
+}
+
+ScatterShares::ScatterShares(const ClosureMix& closures, Vector<World> direction, bool reflects) {
+  split(closures, direction, reflects);
+}
+
+ScatterShares::ScatterShares(const ClosureMix& closures, const ClosureSample& sample, bool reflects) {
+  if (sample.isPassing) {
+    shares_[0].event = PathEvent::straight;
+  } else if (sample.isDelta) {
+    shares_[0].event = reflects ? PathEvent::reflectSpecular : PathEvent::transmitSpecular;
+  } else {
+    split(closures, sample.direction, reflects);
+  }
+}
+
+void ScatterShares::split(const ClosureMix& closures, Vector<World> direction, bool reflects) {
+  const Color all = closures.evaluate(direction), matte = closures.evaluateDiffuse(direction);
+  Color diffuse;
+  for (int c = 0; c < 3; ++c) diffuse[c] = all[c] != 0 ? matte[c] / all[c] : (isBlack(matte) ? 0.0f : 1.0f);
+  shares_[0] = {reflects ? PathEvent::reflectDiffuse : PathEvent::transmitDiffuse, diffuse};
+  shares_[1] = {reflects ? PathEvent::reflectGlossy : PathEvent::transmitGlossy, Color(1) - diffuse};
+  count_ = 2;
+  if (isBlack(shares_[1].share)) count_ = 1;
+  if (isBlack(diffuse)) {
+    shares_[0] = shares_[1];
+    count_ = 1;
+  }
+}
+
+}  // namespace aerosol::render
