@@ -1,5 +1,5 @@
 # tests/fuzz: one libFuzzer program a file, in builds with AddressSanitizer. CTest runs each for a fixed number of inputs
-# from a fixed seed; run the program by hand with a corpus folder to search for longer.
+# from a fixed seed; tests/fuzz/run_long.sh searches for longer.
 
 file(GLOB fuzzSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/fuzz/*.cpp")
 add_custom_target(fuzz_tests)

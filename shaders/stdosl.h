@@ -75,6 +75,11 @@ point rotate(point p, float angle, vector axis) {
 // The same about the line from a to b.
 point rotate(point p, float angle, point a, point b) { return rotate(point(p - a), angle, vector(b - a)) + a; }
 
+int iscameraray() { return raytype("camera"); }
+int isdiffuseray() { return raytype("diffuse"); }
+int isglossyray() { return raytype("glossy"); }
+int isshadowray() { return raytype("shadow"); }
+
 int getmatrix(string from, output matrix m) { return getmatrix(from, "common", m); }
 
 // Patterns -------------------------------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ struct FoldedParameter {
 
 /// Bounds on what one program may ask for. Beyond them compilation fails with the position of the culprit.
 struct Limits {
-  std::uint64_t frameBytes = 1u << 20;  ///< Variables of one kernel, at its width.
+  std::uint64_t frameBytes = 2u << 20;  ///< Variables of one kernel, at its width.
   std::uint64_t instructions = 200000;  ///< After inlining.
 
   bool operator==(const Limits&) const = default;

@@ -131,6 +131,7 @@ llvm::Value* Lowering::mustAfter(llvm::Value* mustBefore, llvm::Value* may, bool
 void Lowering::emit(const Code& code, bool maySkip) {
   llvm::BasicBlock* end = nullptr;
   std::vector<lang::VariableId> cut;
+  codes_.push_back(&code);
   countSegment(code, 0);
   for (std::size_t i = 0; i < code.size(); ++i) {
     const Instruction& instruction = code[i];
@@ -153,6 +154,7 @@ void Lowering::emit(const Code& code, bool maySkip) {
     learnFromExit(instruction, rest, cut);
   }
   forget(cut);
+  codes_.pop_back();
   if (end) e_.enter(end);
 }
 

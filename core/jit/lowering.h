@@ -64,6 +64,15 @@ class Lowering {
     const lang::Instruction* instruction = nullptr;
     const lang::Instruction* loop = nullptr;
     std::vector<unsigned> writes;
+    const lang::Code* code = nullptr;  ///< Of a flag: where the test was stored in it,
+    unsigned ownWrites = 0;            ///< and how often it had been written then.
+  };
+  /// A component of a triple, in the innermost loop around it, and how often the triple had been written by then.
+  struct Part {
+    lang::VariableId whole = lang::noVariable;
+    unsigned index = 0;
+    const lang::Instruction* loop = nullptr;
+    unsigned writes = 0;
   };
 
   // lowering.cpp: control flow
@@ -102,6 +111,9 @@ class Lowering {
   // lowering_conditions.cpp
   const lang::Instruction* innermostLoop() const;
   void rememberTest(const lang::Instruction& instruction);
+  void rememberFlag(const lang::Instruction& instruction);
+  void rememberPart(const lang::Instruction& instruction);
+  const Part* partOf(lang::VariableId id) const;
   void learn(lang::VariableId condition, bool holds, llvm::function_ref<bool(lang::VariableId)> concerns,
              std::vector<lang::VariableId>& cut);
   void learnComparison(const lang::Instruction& test, bool holds, llvm::function_ref<bool(lang::VariableId)> concerns,
@@ -218,6 +230,8 @@ class Lowering {
   std::vector<Target> targets_;
   std::unordered_map<const lang::Instruction*, Exits> exits_;
   std::unordered_map<lang::VariableId, Test> tests_;
+  std::unordered_map<lang::VariableId, Part> parts_;
+  std::vector<const lang::Code*> codes_;                 ///< Those that are being emitted, the innermost one last.
   std::unordered_set<lang::VariableId> objectMatrices_;  ///< Temporaries that hold the map from world to object space.
   llvm::Function* recordFunction_ = nullptr;
 };

@@ -45,11 +45,50 @@ const Instruction* Lowering::innermostLoop() const {
 }
 
 void Lowering::rememberTest(const Instruction& instruction) {
-  if (!domain_.splitsMasks() || !isTest(instruction.op)) return;
-  if (program_.variables[instruction.result].storage != lang::Storage::temporary) return;
+  if (!domain_.splitsMasks()) return;
+  if (instruction.op == Op::component) return rememberPart(instruction);
+  if (instruction.op == Op::assign) return rememberFlag(instruction);
+  const bool isTemporary = program_.variables[instruction.result].storage == lang::Storage::temporary;
+  if (!isTemporary) tests_.erase(instruction.result);
+  if (!isTest(instruction.op) ||
+      std::ranges::find(instruction.arguments, instruction.result) != instruction.arguments.end())
+    return;
   Test test{&instruction, innermostLoop(), {}};
   for (const VariableId argument : instruction.arguments) test.writes.push_back(variables_.writesSoFar(argument));
+  if (!isTemporary) {
+    test.code = codes_.back();
+    test.ownWrites = variables_.writesSoFar(instruction.result);
+  }
   tests_.insert_or_assign(instruction.result, std::move(test));
+}
+
+/// A variable that holds what a test gave. Lanes only ever leave a list of code: those that come to a place in it, or
+/// in what it holds, have all been at the places before.
+void Lowering::rememberFlag(const Instruction& instruction) {
+  tests_.erase(instruction.result);
+  const auto known = tests_.find(instruction.arguments[0]);
+  if (known == tests_.end() || known->second.loop != innermostLoop()) return;
+  Test flag = known->second;
+  flag.code = codes_.back();
+  flag.ownWrites = variables_.writesSoFar(instruction.result);
+  tests_.insert_or_assign(instruction.result, std::move(flag));
+}
+
+void Lowering::rememberPart(const Instruction& instruction) {
+  if (program_.variables[instruction.result].storage != lang::Storage::temporary) return;
+  const VariableId whole = instruction.arguments[0];
+  const Number index = number(instruction.arguments[1]);
+  const auto* constant = index.varying ? nullptr : llvm::dyn_cast<llvm::ConstantInt>(index.parts[0]);
+  if (!constant || !constant->getValue().ult(3)) return;
+  parts_.insert_or_assign(instruction.result, Part{whole, static_cast<unsigned>(constant->getZExtValue()),
+                                                   innermostLoop(), variables_.writesSoFar(whole)});
+}
+
+/// The triple that a number is a component of, if it still is.
+const Lowering::Part* Lowering::partOf(VariableId id) const {
+  const auto found = parts_.find(id);
+  if (found == parts_.end() || found->second.loop != innermostLoop()) return nullptr;
+  return variables_.writesSoFar(found->second.whole) == found->second.writes ? &found->second : nullptr;
 }
 
 /// Cuts the variables that the condition compares to what they can be where it holds, or where it does not, as far as
@@ -60,17 +99,25 @@ void Lowering::learn(VariableId condition, bool holds, llvm::function_ref<bool(V
   // The test was made in the same round of the same loop, so that what it compared is what there is now.
   if (found == tests_.end() || found->second.loop != innermostLoop()) return;
   const Test test = found->second;
+  if (test.code &&
+      (variables_.writesSoFar(condition) != test.ownWrites || std::ranges::find(codes_, test.code) == codes_.end()))
+    return;
   const std::vector<VariableId>& arguments = test.instruction->arguments;
+  const auto isUnchanged = [&](std::size_t i) {
+    return !variables_.isArray(arguments[i]) && variables_.writesSoFar(arguments[i]) == test.writes[i];
+  };
   const Op op = test.instruction->op;
-  if (op == Op::logicalNot || op == Op::toBool) return learn(arguments[0], holds == (op == Op::toBool), concerns, cut);
-  if (op == Op::logicalAnd || op == Op::logicalOr) {
-    if (holds != (op == Op::logicalAnd)) return;
-    for (const VariableId argument : arguments) learn(argument, holds, concerns, cut);
+  if (op == Op::logicalNot || op == Op::toBool) {
+    if (isUnchanged(0)) learn(arguments[0], holds == (op == Op::toBool), concerns, cut);
     return;
   }
-  for (std::size_t i = 0; i < arguments.size(); ++i)
-    if (variables_.isArray(arguments[i]) || variables_.writesSoFar(arguments[i]) != test.writes[i]) return;
-  learnComparison(*test.instruction, holds, concerns, cut);
+  if (op == Op::logicalAnd || op == Op::logicalOr) {
+    if (holds != (op == Op::logicalAnd)) return;
+    for (std::size_t i = 0; i < arguments.size(); ++i)
+      if (isUnchanged(i)) learn(arguments[i], holds, concerns, cut);
+    return;
+  }
+  if (isUnchanged(0) && isUnchanged(1)) learnComparison(*test.instruction, holds, concerns, cut);
 }
 
 /// A relation that does not hold is the opposite one, or one of the two is no number.
@@ -84,16 +131,32 @@ void Lowering::learnComparison(const Instruction& test, bool holds, llvm::functi
   const bool isOrdered = holds || isEquality;
   for (std::size_t i = 0; i < 2; ++i) {
     const VariableId id = test.arguments[i];
-    Number x = sides[i][0], limit = sides[1 - i][0];
-    if (!x.varying || !concerns(id)) continue;
+    const Number x = sides[i][0];
+    Number limit = sides[1 - i][0];
+    const Part* const part = partOf(id);
+    const bool concernsWhole = part && concerns(part->whole);
+    if (!x.varying || (!concernsWhole && !concerns(id))) continue;
     if (x.kind == Kind::integer && limit.kind == Kind::floating) continue;
     if (limit.kind == Kind::integer && x.kind == Kind::floating) limit = unary(Op::toFloat, limit);
     limit = domain_.varying(limit);
     const bool isBelow = isEquality || (isLess == holds) == (i == 0);
-    if (isBelow) x = domain_.limited(x, limit, true, isOrdered);
-    if (!isBelow || isEquality) x = domain_.limited(x, limit, false, isOrdered);
-    variables_.narrow(id, {x});
-    cut.push_back(id);
+    const auto limited = [&](Number number) {
+      if (isBelow) number = domain_.limited(number, limit, true, isOrdered);
+      if (!isBelow || isEquality) number = domain_.limited(number, limit, false, isOrdered);
+      return number;
+    };
+    if (concerns(id)) {
+      variables_.narrow(id, {limited(x)});
+      cut.push_back(id);
+    }
+    if (concernsWhole) {
+      const VariableId whole = part->whole;
+      Value triple = variables_.read(whole);
+      if (!triple[part->index].varying) continue;
+      triple[part->index] = limited(triple[part->index]);
+      variables_.narrow(whole, std::move(triple));
+      cut.push_back(whole);
+    }
   }
 }
 

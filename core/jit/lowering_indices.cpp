@@ -24,7 +24,8 @@ void Lowering::emitIndexed(const Instruction& instruction) {
   switch (instruction.op) {
     case Op::component: {
       const Number index = checkedIndex(instruction, number(arguments[1]), 3, program_.variables[arguments[0]].name);
-      return write(instruction, instruction.result, {pick(variables_.read(arguments[0]), index)});
+      write(instruction, instruction.result, {pick(variables_.read(arguments[0]), index)});
+      return rememberTest(instruction);
     }
     case Op::matrixElement: {
       const Number index = matrixIndex(instruction, arguments[1], arguments[2]);

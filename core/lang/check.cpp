@@ -154,8 +154,9 @@ void Checker::declareFunction(FunctionDeclaration& function) {
     if (!other->body && function.body) {
       result_->definitions[other] = &function;
     } else if (other->body && function.body && !(sourceMap_.isInPrelude(other->position) && isOwn)) {
-      error(function.position, "function '" + function.name + "' is defined twice with the same parameters and result",
-            {"the other one: " + where(other->position)});
+      warning(function.position,
+              "function '" + function.name + "' is defined twice with the same parameters and result",
+              {"the other one: " + where(other->position), "calls behind this one mean this one"});
     }
   }
   // The author's functions stand before those of the standard library, and so replace them.
@@ -299,6 +300,7 @@ void Checker::warnWhenHiding(const VariableDeclaration& variable) {
     const auto other = scopes_[i].variables.find(variable.name);
     if (other == scopes_[i].variables.end()) continue;
     if (other->second->isGlobal) {
+      if (function_) return;  // A helper's P or u is its own: it was often written for several shaders.
       warning(variable.position, "'" + variable.name + "' hides the shader global of that name");
     } else {
       warning(variable.position, "'" + variable.name + "' hides another variable of that name",

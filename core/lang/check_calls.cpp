@@ -46,6 +46,7 @@ void Checker::gatherCandidates(std::string_view name, Position position, std::ve
       candidate.function = function;
       candidate.result = function->type;
       for (const auto& parameter : function->parameters) candidate.parameters.push_back(parameter->type);
+      candidate.variadic = isDeclaredClosure(*function);  // Options behind the parameters are the renderer's matter.
       addCandidate(candidates, std::move(candidate));
     }
   }
@@ -207,6 +208,23 @@ Type Checker::checkCall(Expression& expression, Call& call, const Type& expected
   return chosen->result;
 }
 
+/// A function that writes one of its inputs writes the variable that is passed for it.
+void Checker::markWritten(const VariableDeclaration& formal, const Expression& argument) {
+  if (!formal.isAssigned) return;
+  const Expression* root = &argument;
+  while (true) {
+    if (const auto* index = std::get_if<Index>(&root->node)) {
+      root = index->base.get();
+    } else if (const auto* field = std::get_if<Field>(&root->node)) {
+      root = field->base.get();
+    } else {
+      break;
+    }
+  }
+  const auto* name = std::get_if<Name>(&root->node);
+  if (name && name->declaration && !name->declaration->isGlobal) name->declaration->isAssigned = true;
+}
+
 void Checker::bindArguments(const Candidate& candidate, std::vector<ExpressionPtr>& arguments, Position) {
   for (std::size_t i = 0; i < candidate.parameters.size(); ++i) {
     Expression& argument = *arguments[i];
@@ -214,7 +232,10 @@ void Checker::bindArguments(const Candidate& candidate, std::vector<ExpressionPt
     if (std::holds_alternative<InitializerList>(argument.node)) checkInitializer(argument, formal, "this argument");
     const bool isOutput = candidate.function ? candidate.function->parameters[i]->isOutput
                                              : candidate.builtin && (candidate.builtin->outputs >> i & 1u) != 0;
-    if (!isOutput) continue;
+    if (!isOutput) {
+      if (candidate.function) markWritten(*candidate.function->parameters[i], argument);
+      continue;
+    }
     if (!checkWritable(argument)) continue;
     const bool sameKind = formal == types::none || argument.type.element() == formal.element() ||
                           (argument.type.isTriple() && formal.isTriple());

@@ -155,8 +155,8 @@ bool Checker::checkWritable(const Expression& target) {
   if (!variable) return true;
   variable->isAssigned = true;
   if ((variable->isParameter || variable->isShaderParameter) && !variable->isOutput) {
-    error(root->position, "parameter '" + variable->name + "' is read-only: it is not declared 'output'",
-          {"declare it 'output', or assign a copy of it"});
+    warning(root->position, "parameter '" + variable->name + "' is written though it is not declared 'output'",
+            {variable->isShaderParameter ? "assign a copy of it" : "a variable passed for it is changed, too"});
   }
   if (!variable->isGlobal || variable->name == "Ci") return true;
   const bool writable = (variable->name == "N" && (shaderKind_ == "surface" || shaderKind_ == "displacement")) ||
@@ -201,10 +201,12 @@ Type Checker::checkBinary(Expression& expression, Binary& binary, const Type& ex
   const Type left = check(*binary.left, wanted);
   const Type right = check(*binary.right, wanted);
   if (isPoisoned(left) || isPoisoned(right)) return poisoned;
-  if (!overloadName(binary.op).empty()) {
+  const std::vector<Expression*> operands = {binary.left.get(), binary.right.get()};
+  const std::string_view otherName = binary.op == BinaryOp::notEqual ? "__operator__ne__" : "";
+  for (const std::string_view name : {overloadName(binary.op), otherName}) {
+    if (name.empty()) continue;
     Type result;
-    binary.function = findOverload(overloadName(binary.op), {binary.left.get(), binary.right.get()},
-                                   expression.position, expected, result);
+    binary.function = findOverload(name, operands, expression.position, expected, result);
     if (binary.function) return result;
   }
   return binaryType(expression.position, binary.op, *binary.left, left, right);
@@ -319,11 +321,11 @@ Type Checker::checkIndex(Expression& expression, Index& index, bool rowAllowed) 
   }
   const auto constant = evaluateConstant(*index.index);
   if (constant && (constant->asInt() < 0 || (length > 0 && constant->asInt() >= length))) {
-    error(index.index->position,
-          "index " + std::to_string(constant->asInt()) +
-              " is out of range: " + toString(type.closure ? types::matrix : type) +
-              (length > 0 ? " has indices 0 to " + std::to_string(length - 1) : " has no negative indices"));
-    return poisoned;
+    warning(index.index->position,
+            "index " + std::to_string(constant->asInt()) +
+                " is out of range: " + toString(type.closure ? types::matrix : type) +
+                (length > 0 ? " has indices 0 to " + std::to_string(length - 1) : " has no negative indices"),
+            {"the nearest index is used"});
   }
   return result;
 }

@@ -21,13 +21,14 @@ void Checker::checkTextureOptions(Call& call) {
       std::string list = "the options are:";
       for (const std::string& known : names) list += " \"" + known + "\"";
       notes.push_back(list);
-      error(arguments[i]->position, "unknown option \"" + name->value + "\" of '" + call.name + "'", notes);
-      return;
+      warning(arguments[i]->position, "unknown option \"" + name->value + "\" of '" + call.name + "' is ignored",
+              notes);
     }
     if (i + 1 >= arguments.size()) {
       error(arguments[i]->position, "option \"" + name->value + "\" has no value");
       return;
     }
+    if (!option) continue;
     Expression& value = *arguments[i + 1];
     if (option->kind == TextureOptionKind::subimage && value.type == types::string) continue;
     if (option->isOutput()) {
@@ -36,6 +37,11 @@ void Checker::checkTextureOptions(Call& call) {
                                   ", and this is of type " + toString(value.type));
       continue;
     }
+    // As in version 1.14 of the language: it may be given, and does nothing.
+    const auto* space = std::get_if<StringLiteral>(&value.node);
+    if (option->kind == TextureOptionKind::colorSpace && space && !space->value.empty())
+      warning(arguments[i]->position, "option \"colorspace\" has no effect here",
+              {"transformc(\"" + space->value + "\", \"rgb\", …) converts what the texture gives"});
     requireAssignable(option->type, value, "the value of option \"" + name->value + "\"");
   }
 }

@@ -116,6 +116,7 @@ class Checker {
   int scoreCandidate(const Candidate& candidate, const std::vector<ExpressionPtr>& arguments,
                      const std::vector<Type>& types) const;
   bool listFits(const Expression& list, const Type& type) const;
+  static void markWritten(const VariableDeclaration& formal, const Expression& argument);
   void bindArguments(const Candidate& candidate, std::vector<ExpressionPtr>& arguments, Position position);
   void useFunction(const FunctionDeclaration& function, Position position);
   Type checkClosureCall(Expression& expression, Call& call, const ClosureRow& row);

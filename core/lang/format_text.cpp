@@ -11,6 +11,7 @@ constexpr std::string_view flags = "-+ #0";
 constexpr std::string_view digits = "0123456789";
 constexpr std::string_view integerConversions = "dioxXcu";
 constexpr std::string_view floatingConversions = "fFeEgGaA";
+constexpr std::string_view tripleConversions = "pnvm";  // Of older shaders, for points and the like: as %g.
 constexpr int maximumWidth = 1000;
 
 bool contains(std::string_view set, char c) { return set.find(c) != std::string_view::npos; }
@@ -30,7 +31,10 @@ std::size_t conversionLength(std::string_view text) {
   if (i < text.size() && text[i] == '.') numberAt(text, ++i);
   if (i == text.size()) return 0;
   const char c = text[i];
-  return contains(integerConversions, c) || contains(floatingConversions, c) || c == 's' ? i + 1 : 0;
+  return contains(integerConversions, c) || contains(floatingConversions, c) || contains(tripleConversions, c) ||
+                 c == 's'
+             ? i + 1
+             : 0;
 }
 
 template <class T>
@@ -92,7 +96,8 @@ std::string formatScalar(std::string_view conversion, const FormatScalar& value)
     return print(spec + (contains(integerConversions, given) ? given : 'd'), *integer);
   }
   if (const auto* number = std::get_if<float>(&value)) {
-    return print(spec + (contains(floatingConversions, given) ? given : 'f'), static_cast<double>(*number));
+    const char shown = contains(tripleConversions, given) || given == 'c' ? 'g' : 'f';
+    return print(spec + (contains(floatingConversions, given) ? given : shown), static_cast<double>(*number));
   }
   const std::string_view text = std::get<std::string_view>(value);
   if (spec == "%") return std::string(text);

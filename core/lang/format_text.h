@@ -23,7 +23,8 @@ struct FormatPiece {
   char conversion = 0;  ///< 0 for plain text, in which "%%" stands for a percent sign.
 };
 
-/// Nothing when a conversion is malformed or none of %d %i %o %u %x %X %c %e %f %g (and capitals), %s.
+/// Nothing when a conversion is malformed or none of %d %i %o %u %x %X %c %e %f %g (and capitals), %s, nor %p %n %v %m,
+/// which show points, normals, vectors and matrices as %g does, and %c colours.
 std::optional<std::vector<FormatPiece>> splitFormat(std::string_view format);
 
 enum class FormatKind : std::uint8_t { integer, floating, string };

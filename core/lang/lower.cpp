@@ -204,6 +204,24 @@ VariableId Lowerer::constant(const Constant& value) {
   return known->second;
 }
 
+/// Gives values without a name this one: reports of indices out of range say it. Constants are shared, so that they
+/// become ones of their own.
+void Lowerer::nameValue(Value& value, const std::string& name) {
+  std::vector<Leaf> leaves;
+  flatten(value.type, leaves);
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    Variable& known = program_.variables[value.leaves[i]];
+    if (!known.name.empty()) continue;
+    if (known.storage != Storage::constant) {
+      known.name = name + leaves[i].suffix;
+      continue;
+    }
+    Variable variable = known;
+    variable.name = name + leaves[i].suffix;
+    value.leaves[i] = addVariable(std::move(variable));
+  }
+}
+
 Value Lowerer::zeroValue(const Type& type) {
   std::vector<Leaf> leaves;
   flatten(type, leaves);

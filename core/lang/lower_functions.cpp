@@ -109,9 +109,36 @@ Value Lowerer::lowerCall(const Expression& expression, const Call& called) {
   return result;
 }
 
+bool Lowerer::isVariable(const Expression& expression, const Type& type) const {
+  const Expression* root = &expression;
+  while (true) {
+    if (const auto* index = std::get_if<Index>(&root->node)) {
+      root = index->base.get();
+    } else if (const auto* field = std::get_if<Field>(&root->node)) {
+      root = field->base.get();
+    } else {
+      break;
+    }
+  }
+  const auto* name = std::get_if<Name>(&root->node);
+  if (!name || !name->declaration || name->declaration->isGlobal) return false;
+  const Type from = expression.type.element(), to = type.element();
+  const bool isKind = from == to || (from.isTriple() && to.isTriple() && !from.closure && !to.closure);
+  return isKind && expression.type.isArray() == type.isArray() &&
+         (name->declaration->isAssigned || name->declaration->isOutput);
+}
+
 Value Lowerer::bindArgument(const VariableDeclaration& formal, const Expression& actual,
                             std::span<const ExpressionPtr> later, std::vector<std::pair<Place, Value>>& copiesBack) {
-  if (!formal.isOutput) {
+  // One that is written all the same stands for the caller's variable, as an output does: shaders rely on it.
+  const bool isWritten = formal.isOutput || (formal.isAssigned && isVariable(actual, formal.type));
+  if (!isWritten && formal.isAssigned) {
+    const Value value = lowerTo(actual, formal.type);
+    const Value copy = localValue(value.type, formal.name);
+    assign(copy, value);
+    return copy;
+  }
+  if (!isWritten) {
     // Arrays are passed as they are: a shorter or longer one is seen with its own length.
     if (formal.type.arrayLength == Type::unsized && !std::holds_alternative<InitializerList>(actual.node))
       return protect(lower(actual), later);
@@ -127,12 +154,17 @@ Value Lowerer::bindArgument(const VariableDeclaration& formal, const Expression&
   return copy;
 }
 
-Value Lowerer::callFunction(const FunctionDeclaration& function, std::span<const ExpressionPtr> arguments,
+Value Lowerer::callFunction(const FunctionDeclaration& declared, std::span<const ExpressionPtr> arguments,
                             Position position) {
+  const auto defined = source_.definitions.find(&declared);
+  const FunctionDeclaration& function = defined == source_.definitions.end() ? declared : *defined->second;
   std::vector<Value> values;
   std::vector<std::pair<Place, Value>> copiesBack;
-  for (std::size_t i = 0; i < arguments.size(); ++i)
+  const std::size_t count = function.parameters.size();
+  for (std::size_t i = 0; i < count; ++i)
     values.push_back(bindArgument(*function.parameters[i], *arguments[i], arguments.subspan(i + 1), copiesBack));
+  // Options of a closure that only another renderer has.
+  for (std::size_t i = count; i < arguments.size(); ++i) lower(*arguments[i]);
   Value result = inlineFunction(function, std::move(values), position);
   for (const auto& [target, copy] : copiesBack) store(target, copy);
   return result;

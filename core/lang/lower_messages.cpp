@@ -62,7 +62,10 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t
     std::vector<VariableId> parts;
     scalarsOf(protect(lower(argument), std::span(called.arguments).subspan(next)), parts);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const BaseType kind = baseOf(kindOf(piece.conversion));
+      const bool isColor = piece.conversion == 'c' && argument.type.isTriple() && !argument.type.closure;
+      std::string shownBy = piece.text;
+      if (isColor || std::string_view("pnvm").find(piece.conversion) != std::string_view::npos) shownBy.back() = 'g';
+      const BaseType kind = isColor ? BaseType::floating : baseOf(kindOf(piece.conversion));
       if (typeOf(parts[i]) == types::integer && kind == BaseType::floating)
         parts[i] = emit(Op::toFloat, types::floating, {parts[i]});
       const BaseType shown = typeOf(parts[i]).closure ? BaseType::string : typeOf(parts[i]).base;
@@ -72,7 +75,7 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t
         return std::nullopt;
       }
       scalars.push_back(parts[i]);
-      expanded += (i > 0 ? " " : "") + piece.text;
+      expanded += (i > 0 ? " " : "") + shownBy;
     }
   }
   if (next < called.arguments.size()) {

@@ -77,12 +77,11 @@ Value Lowerer::lowerTransformUnits(const Expression& expression, const Call& cal
   position_ = expression.position;
   const Unit* from = findUnit(names[0]);
   const Unit* to = findUnit(names[1]);
-  const auto reportsFrames = [&](const std::string& name) {
-    if (name != "frames") return false;
+  if (names[0] == names[1]) return {types::floating, {arguments.back().single()}};
+  if (names[0] == "frames" || names[1] == "frames") {
     error(expression.position, "the unit \"frames\" is not known here: a shader sees no frame rate");
-    return true;
-  };
-  if (reportsFrames(names[0]) || reportsFrames(names[1])) return zeroValue(types::floating);
+    return zeroValue(types::floating);
+  }
   const bool fromTime = from && from->isTime, toTime = to && to->isTime;
   const bool commonTime = (fromTime && names[1] == "common") || (toTime && names[0] == "common");
   if (fromTime != toTime && !commonTime) {

@@ -43,7 +43,12 @@ Value Lowerer::lowerTexture(const Expression& expression, const Call& called) {
   }
   for (std::size_t i = given; i + 1 < called.arguments.size(); i += 2) {
     const std::string& name = std::get<StringLiteral>(called.arguments[i]->node).value;
-    const TextureOption& option = *findTextureOption(name);
+    const TextureOption* const known = findTextureOption(name);
+    if (!known || known->kind == TextureOptionKind::colorSpace) {
+      lower(*called.arguments[i + 1]);  // Nothing but its side effects.
+      continue;
+    }
+    const TextureOption& option = *known;
     if (option.isOutput()) {
       const Place target = place(*called.arguments[i + 1]);
       VariableId variable = target.leaves[0];

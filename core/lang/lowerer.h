@@ -80,6 +80,7 @@ class Lowerer {
   VariableId constantInt(std::int32_t value) { return constant(Constant::ofInt(value)); }
   VariableId constantFloat(float value) { return constant(Constant::ofFloat(value)); }
   VariableId constantString(std::string value) { return constant(Constant::ofString(std::move(value))); }
+  void nameValue(Value& value, const std::string& name);
   Value zeroValue(const Type& type);
   std::optional<Constant> constantOf(VariableId variable) const;
   bool isConstantValue(const Value& value) const;
@@ -151,6 +152,8 @@ class Lowerer {
   Value lowerCall(const Expression& expression, const Call& call);
   Value callFunction(const FunctionDeclaration& function, std::span<const ExpressionPtr> arguments, Position position);
   Value inlineFunction(const FunctionDeclaration& function, std::vector<Value> arguments, Position position);
+  /// A variable, or a part of one, that a function may write: it is of the type, and not known to stay as it is.
+  bool isVariable(const Expression& expression, const Type& type) const;
   Value bindArgument(const VariableDeclaration& formal, const Expression& actual, std::span<const ExpressionPtr> later,
                      std::vector<std::pair<Place, Value>>& copiesBack);
 

@@ -235,14 +235,16 @@ std::unique_ptr<ShaderDeclaration> Parser::shaderDeclaration() {
   if (atMetadata()) result->metadata = metadata();
   expect(TokenKind::leftParen, "before the shader's parameters");
   parameters(result->parameters, true, nullptr);
-  if (atMetadata()) {
-    error(peek().position, "expected '{' after the shader's parameters, found '[['",
-          {"a shader's metadata stand between its name and its parameters"});
-    metadata();
-  }
+  moreMetadata(result->metadata);
   if (!at(TokenKind::leftBrace)) failExpected("'{'", "before the shader's statements");
   result->body = block();
   return result;
+}
+
+/// The grammar has a place for metadata on either side of the parameters.
+void Parser::moreMetadata(std::vector<Metadata>& list) {
+  if (!atMetadata()) return;
+  for (Metadata& entry : metadata()) list.push_back(std::move(entry));
 }
 
 /// From the function's name on (or from the array brackets of its result).
@@ -253,9 +255,10 @@ std::unique_ptr<FunctionDeclaration> Parser::functionDeclaration(TypeName result
   const Token& name = expectName("a function's name");
   result->name = std::string(name.text);
   result->position = name.position;
+  if (atMetadata()) result->metadata = metadata();
   expect(TokenKind::leftParen, "before the function's parameters");
   parameters(result->parameters, false, &result->variadic);
-  if (atMetadata()) result->metadata = metadata();
+  moreMetadata(result->metadata);
   if (accept(TokenKind::semicolon)) return result;
   if (!at(TokenKind::leftBrace)) failExpected("'{' or ';'", "after the function's parameters");
   result->body = block();

@@ -311,7 +311,7 @@ int Parser::arguments(std::vector<ExpressionPtr>& list, std::string_view of) {
     Parsed argument = assignment();
     depth = std::max(depth, argument.depth);
     list.push_back(std::move(argument.tree));
-  } while (accept(TokenKind::comma));
+  } while (accept(TokenKind::comma) && !at(TokenKind::rightParen));
   if (!at(TokenKind::rightParen)) failExpected("',' or ')'", fmt::format("in the arguments of {}", of));
   next();
   return depth;

@@ -95,6 +95,7 @@ class Parser {
   std::unique_ptr<VariableDeclaration> declaredVariable(const TypeName& type, std::string_view what);
   bool atMetadata() const { return at(TokenKind::leftBracket) && at(TokenKind::leftBracket, 1); }
   std::vector<Metadata> metadata();
+  void moreMetadata(std::vector<Metadata>& list);
   Metadata metadatum();
 
   // Statements (parser_statements.cpp)

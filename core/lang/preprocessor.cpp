@@ -363,8 +363,7 @@ std::string predefines(const PreprocessRequest& request, Diagnostics& diagnostic
   std::string lines = fmt::format(
       "#define OSL_VERSION_MAJOR {0}\n#define OSL_VERSION_MINOR {1}\n#define OSL_VERSION_PATCH {2}\n"
       "#define OSL_VERSION {3}\n",
-      oslVersionMajor, oslVersionMinor, oslVersionPatch,
-      10000 * oslVersionMajor + 100 * oslVersionMinor + oslVersionPatch);
+      oslVersionMajor, oslVersionMinor, oslVersionPatch, oslVersion);
   for (const std::string& name : request.undefines) {
     const auto define = defineLine(name);
     if (define && name.find_first_of("=(") == std::string::npos) {

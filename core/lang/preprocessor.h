@@ -19,8 +19,9 @@ namespace aerosol::lang {
 
 /// The version of the language that shaders see as OSL_VERSION (10000 major + 100 minor + patch).
 inline constexpr int oslVersionMajor = 1;
-inline constexpr int oslVersionMinor = 12;
-inline constexpr int oslVersionPatch = 14;
+inline constexpr int oslVersionMinor = 14;
+inline constexpr int oslVersionPatch = 5;
+inline constexpr int oslVersion = 10000 * oslVersionMajor + 100 * oslVersionMinor + oslVersionPatch;
 
 /// Files (the main one and each included one) may be this large.
 inline constexpr std::size_t maximumSourceBytes = std::size_t{16} << 20;

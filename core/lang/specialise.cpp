@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -74,12 +75,16 @@ class Specialiser {
       variable.type = value.type;
       variable.storage = Storage::constant;
       variable.value = value.value;
-      program_.variables.push_back(std::move(variable));
-      temporaries_.push_back(noVariable);
-      writes_.push_back(0);
-      known->second = static_cast<VariableId>(program_.variables.size() - 1);
+      known->second = add(std::move(variable));
     }
     return known->second;
+  }
+
+  VariableId add(Variable variable) {
+    program_.variables.push_back(std::move(variable));
+    temporaries_.push_back(noVariable);
+    writes_.push_back(0);
+    return static_cast<VariableId>(program_.variables.size() - 1);
   }
 
   VariableId resolve(VariableId id) const {
@@ -205,6 +210,7 @@ class Specialiser {
     for (std::size_t i = 0; i < copy.arguments.size(); ++i)
       if (i >= 32 || (outputs >> i & 1u) == 0) copy.arguments[i] = resolve(copy.arguments[i]);
     const std::optional<VariableId> value = result(copy);
+    if (!value) keepName(copy, instruction.arguments);
     forEachWritten(program_, copy, [&](VariableId id) { forget(id); });
     if (copy.result == noVariable) {
       out.push_back(std::move(copy));
@@ -223,6 +229,22 @@ class Specialiser {
     copy.op = Op::assign;
     copy.arguments = {*value};
     out.push_back(std::move(copy));
+  }
+
+  /// Reports of indices out of range name what was indexed, though a constant stands for it now.
+  void keepName(Instruction& instruction, const std::vector<VariableId>& original) {
+    const bool reads =
+        instruction.op == Op::component || instruction.op == Op::matrixElement || instruction.op == Op::element;
+    if (!reads || instruction.arguments[0] == original[0] || !isConstant(instruction.arguments[0])) return;
+    const std::string name = program_.variables[original[0]].name;
+    if (name.empty() || name == program_.variables[instruction.arguments[0]].name) return;
+    const auto [known, isNew] = named_.emplace(std::pair{instruction.arguments[0], name}, noVariable);
+    if (isNew) {
+      Variable variable = program_.variables[instruction.arguments[0]];
+      variable.name = name;
+      known->second = add(std::move(variable));
+    }
+    instruction.arguments[0] = known->second;
   }
 
   /// A variable that has the value of the instruction's result.
@@ -338,10 +360,11 @@ class Specialiser {
   }
 
   Program program_;
-  std::vector<std::uint32_t> writes_;                      ///< By variable: instructions that write it.
-  std::unordered_map<std::string, VariableId> constants_;  ///< By bitsKey.
-  std::vector<VariableId> temporaries_;                    ///< By variable: what stands for a temporary.
-  std::unordered_map<VariableId, double> magnitudes_;      ///< Of temporaries: see magnitude.h.
+  std::vector<std::uint32_t> writes_;                               ///< By variable: instructions that write it.
+  std::unordered_map<std::string, VariableId> constants_;           ///< By bitsKey.
+  std::map<std::pair<VariableId, std::string>, VariableId> named_;  ///< Copies of constants for their name's sake.
+  std::vector<VariableId> temporaries_;                             ///< By variable: what stands for a temporary.
+  std::unordered_map<VariableId, double> magnitudes_;               ///< Of temporaries: see magnitude.h.
   Known known_;
   Code start_;
 };

@@ -28,6 +28,7 @@ const std::array optionTable = {
     TextureOption{"missingalpha", missingAlpha, types::floating},
     TextureOption{"time", time, types::floating},
     TextureOption{"interp", interpolation, types::string},
+    TextureOption{"colorspace", colorSpace, types::string},
     TextureOption{"alpha", alpha, types::floating},
     TextureOption{"errormessage", errorMessage, types::string},
 };

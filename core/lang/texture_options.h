@@ -21,6 +21,7 @@ enum class TextureOptionKind : std::uint8_t {
   missingAlpha,
   time,
   interpolation,
+  colorSpace,
   alpha,
   errorMessage
 };

@@ -51,45 +51,20 @@ class Usage {
     for (const auto& declaration : file.declarations) {
       if (const auto* function = std::get_if<std::unique_ptr<FunctionDeclaration>>(&declaration)) {
         if (!sourceMap_.isInPrelude((*function)->position)) body((*function)->body);
-        declare(**function);
       } else if (const auto* shader = std::get_if<std::unique_ptr<ShaderDeclaration>>(&declaration)) {
         for (const auto& parameter : (*shader)->parameters) read(parameter->initializer);
         body((*shader)->body);
       }
     }
     for (const VariableDeclaration* variable : locals_) {
-      if (reads_.contains(variable)) continue;
+      if (reads_.contains(variable) || !sourceMap_.isInMainFile(variable->position)) continue;
       const char* what = writes_.contains(variable) ? "' is set but never read" : "' is never used";
       warn(variable->position, "variable '" + variable->name + what);
     }
-    warnAboutFunctions();
     report();
   }
 
  private:
-  /// Operators are left out: a type has all of them, whatever is used. So is what stands in included files. Calls that
-  /// stand before a function's body are of its declaration.
-  void warnAboutFunctions() {
-    std::unordered_map<std::string_view, std::vector<const FunctionDeclaration*>> announced;
-    for (const FunctionDeclaration* function : called_)
-      if (function && !function->body) announced[function->name].push_back(function);
-    const auto isSame = [](const FunctionDeclaration& a, const FunctionDeclaration& b) {
-      return a.type == b.type && std::ranges::equal(a.parameters, b.parameters,
-                                                    [](const auto& x, const auto& y) { return x->type == y->type; });
-    };
-    for (const FunctionDeclaration* function : functions_) {
-      if (!function->body || called_.contains(function) || !sourceMap_.isInMainFile(function->position)) continue;
-      if (function->name.starts_with("__operator__")) continue;
-      const auto known = announced.find(function->name);
-      const bool isCalled = known != announced.end() && std::ranges::any_of(known->second, [&](const auto* other) {
-                              return isSame(*other, *function);
-                            });
-      if (!isCalled) warn(function->position, "function '" + function->name + "' is never called");
-    }
-  }
-
-  void declare(const FunctionDeclaration& function) { functions_.push_back(&function); }
-
   void body(const StatementPtr& statement) {
     if (!statement) return;
     assigned_.clear();
@@ -120,7 +95,6 @@ class Usage {
     } else if (const auto* local = std::get_if<LocalFunction>(&statement.node)) {
       // Where it is called from is not followed: what it reads may have been set by then.
       const Variables outer = std::exchange(uninitialized_, {});
-      if (!onlyGathers_) declare(*local->function);
       walk(local->function->body);
       uninitialized_.insert(outer.begin(), outer.end());
     }
@@ -210,10 +184,8 @@ class Usage {
       use(name->declaration, expression.position);
     } else if (const auto* unary = std::get_if<Unary>(&node)) {
       valueOf(*unary->operand);
-      called_.insert(unary->function);
       if (unary->op >= UnaryOp::preIncrement) set(rootOf(*unary->operand));
     } else if (const auto* binary = std::get_if<Binary>(&node)) {
-      called_.insert(binary->function);
       valueOf(*binary->left);
       if (binary->op == BinaryOp::logicalAnd || binary->op == BinaryOp::logicalOr) {
         either([&] { valueOf(*binary->right); }, [] {});
@@ -245,7 +217,6 @@ class Usage {
   }
 
   void assign(const Assign& assign) {
-    called_.insert(assign.function);
     if (assign.compound) valueOf(*assign.target);
     indicesOf(*assign.target);
     initial(*assign.value);
@@ -263,7 +234,6 @@ class Usage {
   }
 
   void call(const Call& call) {
-    called_.insert(call.function);
     // The value of an option behind its name may be a variable that is written.
     const auto isOption = [&](std::size_t i) {
       return call.builtin && i >= call.builtin->parameters.size() && i > 0 &&
@@ -272,7 +242,9 @@ class Usage {
     const auto isOutput = [&](std::size_t i) {
       if (isOption(i)) return true;
       if (call.builtin) return i < 32 && (call.builtin->outputs >> i & 1u) != 0;
-      return call.function && i < call.function->parameters.size() && call.function->parameters[i]->isOutput;
+      if (!call.function || i >= call.function->parameters.size()) return false;
+      const VariableDeclaration& formal = *call.function->parameters[i];
+      return formal.isOutput || formal.isAssigned;
     };
     std::vector<const VariableDeclaration*> written;
     for (std::size_t i = 0; i < call.arguments.size(); ++i) {
@@ -325,8 +297,6 @@ class Usage {
   const SourceMap& sourceMap_;
   Diagnostics& diagnostics_;
   std::vector<const VariableDeclaration*> locals_;
-  std::vector<const FunctionDeclaration*> functions_;
-  std::unordered_set<const FunctionDeclaration*> called_;
   Variables reads_, writes_;
   Variables assigned_, uninitialized_;
   std::unordered_set<const Expression*> reportedCommas_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/lang/preprocessor.h"
 #include "core/render/shader_binding.h"
 
 namespace aerosol::render {
@@ -10,9 +11,6 @@ namespace aerosol::render {
 namespace {
 
 using lang::Constant;
-
-/// Of the language that shaders are written in: major x 10000 + minor x 100 + patch.
-constexpr std::int32_t languageVersion = 11300;
 
 Constant floats(std::vector<float> values) {
   const auto length = static_cast<int>(values.size());
@@ -40,7 +38,7 @@ void describeCamera(const scene::Sensor& sensor, const scene::Film& film, shadin
 }  // namespace
 
 void describeScene(const scene::SceneDescription& description, shading::SceneAttributes& attributes) {
-  attributes.global.set("osl:version", Constant::ofInt(languageVersion));
+  attributes.global.set("osl:version", Constant::ofInt(lang::oslVersion));
   describeCamera(description.sensor, description.film, attributes.global);
   if (const std::string& id = description.sensor.origin.id; !id.empty())
     describeCamera(description.sensor, description.film, attributes.object(id));

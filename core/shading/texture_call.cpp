@@ -77,6 +77,7 @@ void TextureCall::apply(const Option& option, unsigned lane, TexturePoint& point
         return;
       }
       return call_.report(lane, "unknown interpolation \"" + std::string(call_.text(at, lane)) + "\"");
+    case TextureOptionKind::colorSpace:
     case TextureOptionKind::alpha:
     case TextureOptionKind::errorMessage:
       return;

@@ -162,12 +162,14 @@ OUT
 
 echo "-- warnings and errors of shaders, each once"
 cat >wrong.osl <<'OSL'
-shader wrong() {
+shader wrong(int given[2] = {1, 2}) {
   warning("half is %g", 0.5);
   error("bad");
   float a[3];
   a[0] = u;
   printf("%g\n", a[(int)(v * 20)]);
+  int fixed[2] = {3, 4};
+  if (v > 0) printf("%d %d\n", given[(int)(v * 20)], fixed[(int)(v * 20)]);
 }
 OSL
 shows -g 1 2 --groupname g --layer one wrong <<'OUT'
@@ -175,7 +177,10 @@ WARNING: Shader warning [wrong]: half is 0.5
 ERROR: Shader error [wrong]: bad
 0.5
 ERROR: Index [20] out of range a[0..2]: wrong.osl:6 (group g, layer 0 one, shader wrong)
+ERROR: Index [20] out of range given[0..1]: wrong.osl:8 (group g, layer 0 one, shader wrong)
+ERROR: Index [20] out of range fixed[0..1]: wrong.osl:8 (group g, layer 0 one, shader wrong)
 0
+2 4
 
 OUT
 

@@ -6,6 +6,7 @@
 
 #include "core/app/tools/shade_grid.h"
 #include "core/base/hash.h"
+#include "core/lang/preprocessor.h"
 #include "core/render/scene_services.h"
 #include "core/shading/ray_type.h"
 
@@ -30,7 +31,7 @@ std::uint32_t rayTypeNamed(const std::string& name) {
 
 void describeGrid(const ShadeGrid& grid, const ShadeGroup& group, shading::AttributeTable& table) {
   const float aspect = static_cast<float>(grid.width) / static_cast<float>(std::max(grid.height, 1));
-  table.set("osl:version", Constant::ofInt(11300));
+  table.set("osl:version", Constant::ofInt(lang::oslVersion));
   table.set("shader:layername", Constant::ofString(group.layers.back().name));
   table.set("shader:groupname", Constant::ofString(group.name));
   table.set("camera:resolution", {lang::types::integer.arrayOf(2), std::vector<std::int32_t>{grid.width, grid.height}});

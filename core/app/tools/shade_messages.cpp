@@ -21,9 +21,12 @@ std::string textOf(const ShadedMessage& message, const ShadeGroup& group) {
       return fmt::format("ERROR: Shader error [{}]: {}", layer.shader, message.text);
     case AEROSOL_REPORT_INDEX: {
       const std::int32_t index = message.values[0].i, length = message.values[1].i;
+      // Parameters of a group are named with their layer.
+      const std::string prefix = layer.name + ".";
+      const std::string name = message.text.starts_with(prefix) ? message.text.substr(prefix.size()) : message.text;
       return fmt::format("ERROR: Index [{}] out of range {}[0..{}]: {}:{} (group {}, layer {} {}, shader {})", index,
-                         message.text, length - 1, message.location.file, message.location.line, group.name, number,
-                         layer.name, layer.shader);
+                         name, length - 1, message.location.file, message.location.line, group.name, number, layer.name,
+                         layer.shader);
     }
     case AEROSOL_REPORT_SPACE:
       return fmt::format("ERROR: Unknown transformation \"{}\"", message.text);

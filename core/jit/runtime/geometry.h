@@ -152,6 +152,34 @@ AEROSOL_INLINE F determinant(const Matrix<F>& a) {
   return detail::determinant(detail::minors(a));
 }
 
+/// Of a matrix whose last column is 0 0 0 1: the inverse of the upper left 3x3 part by its cofactors, and the
+/// translation turned back by it. In this order of operations zeros have the signs that artists know from printed
+/// matrices.
+template <class F>
+struct AffineInverse {
+  Matrix<F> matrix;
+  F determinant;
+};
+
+template <class F>
+AEROSOL_INLINE AffineInverse<F> affineInverse(const Matrix<F>& a) {
+  const F* m = a.m;
+  const F s[9] = {m[5] * m[10] - m[9] * m[6], m[9] * m[2] - m[1] * m[10], m[1] * m[6] - m[5] * m[2],
+                  m[8] * m[6] - m[4] * m[10], m[0] * m[10] - m[8] * m[2], m[4] * m[2] - m[0] * m[6],
+                  m[4] * m[9] - m[8] * m[5],  m[8] * m[1] - m[0] * m[9],  m[0] * m[5] - m[4] * m[1]};
+  const F det = m[0] * s[0] + m[1] * s[3] + m[2] * s[6];
+  AffineInverse<F> result{diagonal(F(1.0f)), det};
+  F* r = result.matrix.m;
+#pragma clang loop unroll(full)
+  for (int row = 0; row < 3; ++row) {
+#pragma clang loop unroll(full)
+    for (int column = 0; column < 3; ++column) r[4 * row + column] = safeDivide(s[3 * row + column], det);
+  }
+#pragma clang loop unroll(full)
+  for (int i = 0; i < 3; ++i) r[12 + i] = -m[12] * r[i] - m[13] * r[4 + i] - m[14] * r[8 + i];
+  return result;
+}
+
 /// The inverse; the unit matrix where there is none.
 template <class F>
 AEROSOL_INLINE Matrix<F> inverse(const Matrix<F>& a) {
@@ -170,12 +198,18 @@ AEROSOL_INLINE Matrix<F> inverse(const Matrix<F>& a) {
        -detail::cofactor(m[4], l[3], m[5], l[1], m[6], l[0]), detail::cofactor(m[0], l[3], m[1], l[1], m[2], l[0]),
        -detail::cofactor(m[12], u[3], m[13], u[1], m[14], u[0]),
        detail::cofactor(m[8], u[3], m[9], u[1], m[10], u[0])}};
-  const auto singular = equal(det, F(0.0f));
+  const auto isAffine = equal(m[3], F(0.0f)) & equal(m[7], F(0.0f)) & equal(m[11], F(0.0f)) & equal(m[15], F(1.0f));
+  const AffineInverse<F> affine = affineInverse(a);
+  const auto singular = (isAffine & equal(affine.determinant, F(0.0f))) | (~isAffine & equal(det, F(0.0f)));
   const F scale = safeDivide(F(1.0f), det);
   const Matrix<F> unit = diagonal(F(1.0f));
   Matrix<F> result;
+  // Adding zero leaves no zero negative.
 #pragma clang loop unroll(full)
-  for (int i = 0; i < 16; ++i) result.m[i] = select(singular, unit.m[i], adjugate.m[i] * scale);
+  for (int i = 0; i < 16; ++i) {
+    const F general = adjugate.m[i] * scale + F(0.0f);
+    result.m[i] = select(singular, unit.m[i], select(isAffine, affine.matrix.m[i], general));
+  }
   return result;
 }
 

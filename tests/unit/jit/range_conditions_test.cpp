@@ -60,6 +60,14 @@ TEST(RangeConditions, CutWhatTheyCompare) {
       Case{"int k = int(u * 4); if (k > 0) f = k;", 0, 8},
       Case{"int k = int(u * 4); if (k == 3) f = k;", 0, 3},
       Case{"f = u; if (u > 0) f = 0; ", -1, 2},
+      Case{"point p = point(u, v, 1); if (p[0] > 0) f = p[0];", 0, 2},
+      Case{"point p = point(u, v, 1); if (p.y < p.x) f = p.y;", -1, 2},
+      Case{"point p = point(u, v, 1); if (p[0] > 0 && p[0] < 1) f = 1 + p[0] + p[2];", 0, 3},
+      Case{"point p = point(u, v, 1); float x = p[0]; if (p[0] > 0) { if (x < 1) f = p[0]; }", 0, 1},
+      Case{"point p = point(u, v, 1); if (p[0] <= 0) return; f = p[0];", 0, 2},
+      Case{"float d = u; int c = d > 0; if (c) f = d;", 0, 2},
+      Case{"float d = u; int c = 0; c = d > 0 && d < 1; f = 3; if (c) f = 2 + d;", 2, 3},
+      Case{"float d = u; int c = d > 0; if (v > 1) { if (!c) f = d; }", -1, 0},
   };
   for (const Case& each : cases) {
     const Bounds bounds = boundsOf(each.statements, -1, 2);
@@ -79,6 +87,12 @@ TEST(RangeConditions, ForgetWhatIsWritten) {
       Case{"float d = u; int c = d > 0; for (int i = 0; i < 2; ++i) { if (c) f = d; d -= 4; }", -5, 2},
       Case{"float d = u; if (d > 0) { for (int i = 0; i < 2; ++i) { f = min(f, d); d -= 4; } }", -5, 0},
       Case{"float d = u; if (d > 0) d = 1; f = d;", -1, 2},
+      Case{"float d = u; int c = 1; if (v > 1) c = d > 0; if (c) f = d;", -1, 2},
+      Case{"float d = u; int c = d > 0; if (v > 1) c = 1; if (c) f = d;", -1, 2},
+      Case{"float d = u; int c = d > 0; c = c || v > 1; if (c) f = d;", -1, 2},
+      Case{"point p = point(u, v, 1); float x = p[0]; p = -p; if (x > 0) f = p[0];", -2, 0},
+      Case{"point p = point(u, v, 1); float x = p[0]; for (int i = 0; i < 2; ++i) { if (x > 0) f = p[0]; p -= 4; }", -4,
+           2},
   };
   for (const Case& each : cases) {
     const Bounds bounds = boundsOf(each.statements, -1, 2);

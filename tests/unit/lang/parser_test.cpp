@@ -152,7 +152,7 @@ TEST(Parser, ReportsSeveralErrorsInOneRun) {
       "  if (x { y = 2 }\n"
       "  y = 3\n"
       "  y = 4;\n"
-      "  foo(1, );\n"
+      "  foo(1, , 2);\n"
       "}\n"
       "shader b() { y = * 2; }\n");
   EXPECT_EQ(errors, (std::vector<std::string>{
@@ -162,7 +162,7 @@ TEST(Parser, ReportsSeveralErrorsInOneRun) {
                         "5:13: expected an expression, found ';'",
                         "6:9: expected ')' after the condition, found '{'",
                         "7:8: expected ';' after the expression, found 'y'",
-                        "9:10: expected an expression, found ')'",
+                        "9:10: expected an expression, found ','",
                         "11:18: expected an expression, found '*'",
                     }));
 }
