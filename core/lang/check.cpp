@@ -167,6 +167,7 @@ void Checker::checkBody(FunctionDeclaration& function) {
   functionStates_[&function] = State::checking;
   const FunctionDeclaration* const outer = std::exchange(function_, &function);
   const int outerLoops = std::exchange(loopDepth_, 0);
+  const bool outerReturn = std::exchange(hasReturn_, false);
   scopes_.emplace_back();
   for (const auto& parameter : function.parameters) {
     if (!scopes_.back().variables.emplace(parameter->name, parameter.get()).second && !parameter->name.empty())
@@ -178,7 +179,12 @@ void Checker::checkBody(FunctionDeclaration& function) {
   loopDepth_ = outerLoops;
   function_ = outer;
   functionStates_[&function] = State::done;
-  if (!(function.type == types::none) && !isPoisoned(function.type) && !alwaysReturns(*function.body)) {
+  const bool returnsValue = std::exchange(hasReturn_, outerReturn);
+  if (function.type == types::none || isPoisoned(function.type)) return;
+  if (!returnsValue) {
+    error(function.position,
+          "function '" + function.name + "' has no 'return': its value is of type " + toString(function.type));
+  } else if (!alwaysReturns(*function.body)) {
     warning(function.position, "function '" + function.name + "' does not return a value on every path",
             {"where it does not, the value is zero"});
   }
@@ -204,8 +210,8 @@ void Checker::checkShaderParameter(VariableDeclaration& parameter) {
     error(parameter.position, "shader parameter '" + parameter.name + "' needs a default value",
           {"write '" + toString(parameter.type) + " " + parameter.name + " = ...'"});
   } else if (!isPoisoned(parameter.type)) {
-    parameter.type =
-        checkInitializer(*parameter.initializer, parameter.type, "the default of '" + parameter.name + "'");
+    parameter.type = checkInitializer(*parameter.initializer, parameter.type, "the default of '" + parameter.name + "'",
+                                      Truncation::warned);
   }
   checkMetadata(parameter.metadata);
   if (!scopes_.back().variables.emplace(parameter.name, &parameter).second)
@@ -221,7 +227,7 @@ void Checker::checkMetadata(std::vector<Metadata>& metadata) {
       continue;
     }
     const int errors = diagnostics_.errorCount();
-    type = checkInitializer(*entry.value, type, "metadata '" + entry.name + "'");
+    type = checkInitializer(*entry.value, type, "metadata '" + entry.name + "'", Truncation::warned);
     if (diagnostics_.errorCount() == errors && !evaluateConstant(*entry.value))
       error(entry.value->position, "the value of metadata '" + entry.name + "' must be a constant");
   }

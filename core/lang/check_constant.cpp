@@ -87,6 +87,8 @@ std::optional<Constant> evaluateConstant(const Expression& expression) {
     return count == leafCount(expression.type) ? evaluateList(construct->arguments, expression.type) : std::nullopt;
   }
   if (const auto* list = std::get_if<InitializerList>(&node)) {
+    if (list->elements.empty() && !expression.type.isArray())
+      return convertConstant(Constant::ofInt(0), expression.type);
     if (!expression.type.isArray() && list->elements.size() == 1) {
       const auto value = evaluateConstant(*list->elements.front());
       return value ? convertConstant(*value, expression.type) : std::nullopt;

@@ -256,7 +256,9 @@ Type Checker::checkAssign(Expression& expression, Assign& assign) {
                                      expression.position, target, result);
     }
     if (!assign.function) result = binaryType(expression.position, assign.op, *assign.target, target, value);
-    if (!isPoisoned(result) && !isAssignable(target, result)) {
+    if (target == types::integer && result == types::floating) {
+      warnOfTruncation(expression.position, "the result of '" + std::string(spelling(assign.op)) + "'");
+    } else if (!isPoisoned(result) && !isAssignable(target, result)) {
       error(expression.position, "the result of '" + std::string(spelling(assign.op)) + "', of type " +
                                      toString(result) + ", cannot be assigned to type " + toString(target));
     }
@@ -267,7 +269,7 @@ Type Checker::checkAssign(Expression& expression, Assign& assign) {
     return poisoned;
   }
   checkWritable(*assign.target);
-  checkInitializer(*assign.value, target, "the value assigned");
+  checkInitializer(*assign.value, target, "the value assigned", Truncation::warned);
   return target;
 }
 

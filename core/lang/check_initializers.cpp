@@ -10,11 +10,18 @@ bool isZeroLiteral(const Expression& expression) {
   return false;
 }
 
-void Checker::requireAssignable(const Type& to, const Expression& from, std::string_view what) {
+void Checker::warnOfTruncation(Position position, std::string_view what) {
+  warning(position, std::string(what) + " is of type float, which is truncated to int",
+          {"write (int) in front to say so"});
+}
+
+void Checker::requireAssignable(const Type& to, const Expression& from, std::string_view what, Truncation truncation) {
   if (isPoisoned(to) || isPoisoned(from.type) || isAssignable(to, from.type)) return;
+  const bool truncates = to == types::integer && from.type == types::floating;
+  if (truncates && truncation == Truncation::warned) return warnOfTruncation(from.position, what);
   if (to == types::closure && isZeroLiteral(from)) return;
   std::vector<std::string> notes;
-  if (to == types::integer && from.type == types::floating) notes.emplace_back("write (int) in front to truncate it");
+  if (truncates) notes.emplace_back("write (int) in front to truncate it");
   if (to.isArray() && from.type.isArray() && to.element() == from.type.element())
     notes.emplace_back("the array on the left must be at least as long");
   error(from.position,
@@ -22,7 +29,8 @@ void Checker::requireAssignable(const Type& to, const Expression& from, std::str
         std::move(notes));
 }
 
-Type Checker::checkInitializer(Expression& expression, const Type& target, std::string_view what) {
+Type Checker::checkInitializer(Expression& expression, const Type& target, std::string_view what,
+                               Truncation truncation) {
   if (isPoisoned(target)) {
     if (!std::holds_alternative<InitializerList>(expression.node)) check(expression, types::none);
     return target;
@@ -36,7 +44,7 @@ Type Checker::checkInitializer(Expression& expression, const Type& target, std::
     error(expression.position, std::string(what) + " is void: there is no value");
     return target;
   }
-  requireAssignable(target, expression, what);
+  requireAssignable(target, expression, what, truncation);
   if (target.arrayLength == Type::unsized && type.isArray()) return target.arrayOf(type.arrayLength);
   return target;
 }
@@ -50,7 +58,7 @@ Type Checker::checkInitializerList(Expression& expression, InitializerList& list
     return poisoned;
   };
   if (target.isArray()) {
-    if (count == 0) {
+    if (count == 0 && target.arrayLength == Type::unsized) {
       error(expression.position, "an initialiser list needs at least one value");
       return poisoned;
     }
@@ -64,17 +72,12 @@ Type Checker::checkInitializerList(Expression& expression, InitializerList& list
   if (target.base == BaseType::structure) {
     const auto& fields = target.structure->fields;
     if (list.elements.size() > fields.size()) return tooMany(static_cast<int>(fields.size()), fields.size());
-    if (list.elements.size() < fields.size()) {
-      error(expression.position, "structure '" + target.structure->name + "' needs a value for field '" +
-                                     fields[list.elements.size()].name + "' too");
-      return poisoned;
-    }
-    for (std::size_t i = 0; i < fields.size(); ++i)
+    for (std::size_t i = 0; i < list.elements.size(); ++i)  // Fields after them are zero.
       checkInitializer(*list.elements[i], fields[i].type, "the value of field '" + fields[i].name + "'");
     return target;
   }
   const int components = target.isTriple() ? 3 : target == types::matrix ? 16 : 1;
-  if (count != components && count != 1) {
+  if (count != components && count > 1) {
     error(expression.position, toString(target) + " takes " + std::to_string(components) +
                                    (components == 1 ? " value" : " values") + ", not " + std::to_string(count));
     return poisoned;

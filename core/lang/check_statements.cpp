@@ -54,7 +54,7 @@ void Checker::checkVariables(DeclarationStatement& declaration) {
     }
     if (variable->initializer) {
       const std::string what = "the initial value of '" + variable->name + "'";
-      variable->type = checkInitializer(*variable->initializer, variable->type, what);
+      variable->type = checkInitializer(*variable->initializer, variable->type, what, Truncation::warned);
     } else if (variable->type.arrayLength == Type::unsized) {
       error(variable->position, "array '" + variable->name + "' needs a length or an initial value");
       variable->type.arrayLength = 1;
@@ -84,6 +84,7 @@ void Checker::checkLoop(Loop& loop) {
 
 void Checker::checkReturn(Return& statement, Position position) {
   const Type wanted = function_ ? function_->type : types::none;
+  hasReturn_ = true;
   if (!statement.value) {
     if (!(wanted == types::none) && !isPoisoned(wanted))
       error(position, "function '" + function_->name + "' must return a value of type " + toString(wanted));

@@ -100,9 +100,14 @@ class Checker {
   bool checkWritable(const Expression& target);
 
   // check_initializers.cpp
-  void requireAssignable(const Type& to, const Expression& from, std::string_view what);
+  /// A float may become an int where a variable gets a value, with a warning, as in other compilers.
+  enum class Truncation : std::uint8_t { refused, warned };
+  void requireAssignable(const Type& to, const Expression& from, std::string_view what,
+                         Truncation truncation = Truncation::refused);
+  void warnOfTruncation(Position position, std::string_view what);
   /// Checks `expression` as the initial value of something of type `target`; an unsized array gets its length.
-  Type checkInitializer(Expression& expression, const Type& target, std::string_view what);
+  Type checkInitializer(Expression& expression, const Type& target, std::string_view what,
+                        Truncation truncation = Truncation::refused);
   Type checkInitializerList(Expression& expression, InitializerList& list, const Type& target);
 
   // check_calls.cpp
@@ -166,6 +171,7 @@ class Checker {
   const FunctionDeclaration* function_ = nullptr;  ///< The one whose body is being checked; null in a shader's body.
   Position libraryCall_ = 0;  ///< Where the author calls the library function that is being checked.
   int loopDepth_ = 0;
+  bool hasReturn_ = false;  ///< Of the function.
   int depth_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <iterator>
 #include <string_view>
@@ -31,7 +32,8 @@ std::string inQuotes(std::string_view text) {
 class Printer {
  public:
   void print(std::string_view text, const SourceLocation& at) {
-    moveTo(at);
+    if (text.empty()) return;
+    moveTo(at, text.front());
     text_ += text;
     column_ += static_cast<int>(text.size());
     line_ += static_cast<int>(std::ranges::count(text, '\n'));
@@ -42,7 +44,7 @@ class Printer {
   }
 
  private:
-  void moveTo(const SourceLocation& at) {
+  void moveTo(const SourceLocation& at, char next) {
     constexpr int fewLines = 8;
     const bool isFar = at.file != file_ || at.line < line_ || at.line > line_ + fewLines;
     if (isFar) {
@@ -57,10 +59,18 @@ class Printer {
       ++line_;
       column_ = 1;
     }
-    if (at.column == column_) return;
+    if (at.column == column_ && !(column_ > 1 && wouldJoin(text_.back(), next))) return;
     const int blanks = std::max(1, at.column - column_);
     text_.append(static_cast<std::size_t>(blanks), ' ');
     column_ += blanks;
+  }
+
+  /// Tokens of macros may end where the next one began: two words would become one, two operators another one.
+  static bool wouldJoin(char last, char next) {
+    const auto isWord = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+    constexpr std::string_view operators = "+-*/%&|^<>=!:#";
+    const auto isOperator = [&](char c) { return operators.find(c) != std::string_view::npos; };
+    return (isWord(last) && isWord(next)) || (isOperator(last) && isOperator(next));
   }
 
   std::string text_, file_;

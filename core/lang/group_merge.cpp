@@ -125,7 +125,7 @@ class Merger {
     return shader;
   }
 
-  /// Constants and globals are the same variables in all layers.
+  /// Constants (by the name that they have in reports) and globals are the same variables in all layers.
   VariableId shared(const Variable& variable) {
     if (variable.storage == Storage::global) {
       VariableId& known = globals_[static_cast<std::size_t>(variable.global)];
@@ -133,7 +133,7 @@ class Merger {
       return known;
     }
     if (variable.storage != Storage::constant) return noVariable;
-    return constant({variable.type, variable.value});
+    return constant({variable.type, variable.value}, variable.name);
   }
 
   VariableId add(Variable variable) {
@@ -142,10 +142,11 @@ class Merger {
     return static_cast<VariableId>(program_.variables.size() - 1);
   }
 
-  VariableId constant(const Constant& value) {
-    const auto [known, isNew] = constants_.emplace(bitsKey(value), noVariable);
+  VariableId constant(const Constant& value, const std::string& name = {}) {
+    const auto [known, isNew] = constants_.emplace(name + ":" + bitsKey(value), noVariable);
     if (isNew) {
       Variable variable;
+      variable.name = name;
       variable.type = value.type;
       variable.storage = Storage::constant;
       variable.value = value.value;

@@ -320,8 +320,13 @@ Value Lowerer::lowerList(const InitializerList& list, const Type& type) {
       field = protect(std::move(field), std::span(list.elements).subspan(i + 1));
       result.leaves.insert(result.leaves.end(), field.leaves.begin(), field.leaves.end());
     }
+    for (std::size_t i = list.elements.size(); i < type.structure->fields.size(); ++i) {
+      const Value field = zeroValue(type.structure->fields[i].type);
+      result.leaves.insert(result.leaves.end(), field.leaves.begin(), field.leaves.end());
+    }
     return result;
   }
+  if (list.elements.empty()) return zeroValue(type);
   if (list.elements.size() == 1) return lowerTo(*list.elements[0], type);
   std::vector<VariableId> components;
   for (std::size_t i = 0; i < list.elements.size(); ++i) {

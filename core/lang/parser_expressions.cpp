@@ -105,6 +105,11 @@ std::optional<UnaryOp> prefixOperator(TokenKind kind) {
   }
 }
 
+bool isTarget(const Expression& expression) {
+  return std::holds_alternative<Name>(expression.node) || std::holds_alternative<Index>(expression.node) ||
+         std::holds_alternative<Field>(expression.node);
+}
+
 constexpr std::int64_t intLimit = std::int64_t{1} << 31;
 
 }  // namespace
@@ -122,8 +127,14 @@ Parser::Parsed Parser::commaExpression() {
 
 Parser::Parsed Parser::assignment() {
   Parsed target = conditional();
+  return atAssignment() ? assigned(std::move(target)) : std::move(target);
+}
+
+bool Parser::atAssignment() const { return at(TokenKind::assign) || compoundOperator(peek().kind); }
+
+/// The assignment to `target` whose operator comes next.
+Parser::Parsed Parser::assigned(Parsed target) {
   const auto compound = compoundOperator(peek().kind);
-  if (!compound && !at(TokenKind::assign)) return target;
   requireTarget(*target.tree, "assigned to");
   const Position position = next().position;
   const Nest nest(*this);
@@ -134,10 +145,7 @@ Parser::Parsed Parser::assignment() {
 }
 
 void Parser::requireTarget(const Expression& expression, std::string_view operation) {
-  const bool isTarget = std::holds_alternative<Name>(expression.node) ||
-                        std::holds_alternative<Index>(expression.node) ||
-                        std::holds_alternative<Field>(expression.node);
-  if (!isTarget) {
+  if (!isTarget(expression)) {
     error(expression.position,
           fmt::format("expected a variable, an element or a field: this expression cannot be {}", operation));
   }
@@ -169,7 +177,12 @@ Parser::Parsed Parser::binary(int minimumPrecedence) {
 
 Parser::Parsed Parser::unary() {
   const auto op = prefixOperator(peek().kind);
-  if (!op) return atCast() ? cast() : postfix();
+  if (!op && atCast()) return cast();
+  if (!op) {
+    Parsed operand = postfix();
+    // An assignment is an operand, as in other compilers of the language: `a + b = c` adds `b = c` to a.
+    return isTarget(*operand.tree) && atAssignment() ? assigned(std::move(operand)) : std::move(operand);
+  }
   const Position position = next().position;
   if (*op == UnaryOp::minus && at(TokenKind::intLiteral) && peek().integer == intLimit) {
     next();

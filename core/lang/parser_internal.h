@@ -120,6 +120,8 @@ class Parser {
   ExpressionPtr conditionalExpression() { return conditional().tree; }
   Parsed commaExpression();
   Parsed assignment();
+  Parsed assigned(Parsed target);
+  bool atAssignment() const;
   Parsed conditional();
   Parsed binary(int minimumPrecedence);
   Parsed unary();

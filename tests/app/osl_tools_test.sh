@@ -54,6 +54,16 @@ expect 0 compile -E -DSTART=7 many.osl
 said out "Pair s = {7 "
 said out 'return ( 2 * ( x ) )'
 ! grep -q "TWICE" out || fail "macros are left"
+cat >words.osl <<'OSL'
+#define real float
+#define SUM 1 +
+shader words(real x = SUM+ 2) { printf("%g\n", x); }
+OSL
+expect 0 compile -o words.oso words.osl
+shows 0 testshade words <<'OUT'
+3
+
+OUT
 cat >bad.osl <<'OSL'
 shader bad(float x = 1) {
   float y = densty;

@@ -177,9 +177,9 @@ WARNING: Shader warning [wrong]: half is 0.5
 ERROR: Shader error [wrong]: bad
 0.5
 ERROR: Index [20] out of range a[0..2]: wrong.osl:6 (group g, layer 0 one, shader wrong)
+0
 ERROR: Index [20] out of range given[0..1]: wrong.osl:8 (group g, layer 0 one, shader wrong)
 ERROR: Index [20] out of range fixed[0..1]: wrong.osl:8 (group g, layer 0 one, shader wrong)
-0
 2 4
 
 OUT
