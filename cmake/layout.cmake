@@ -15,7 +15,7 @@ add_custom_target(aerosol_support ALL DEPENDS runtime_bitcode example_plugins ${
 
 # The program under the names of OSL's tools, whose options it takes then. A folder of their own, so that they hide no
 # real OSL unless it is put on the path.
-foreach(tool oslc oslinfo testshade)
+foreach(tool oslc oslinfo testrender testshade)
   file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/lib/aerosol/osl-tools")
   file(CREATE_LINK "../../../bin/aerosol" "${CMAKE_BINARY_DIR}/lib/aerosol/osl-tools/${tool}" SYMBOLIC)
 endforeach()

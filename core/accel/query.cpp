@@ -79,6 +79,8 @@ class Query {
            !std::isnan(ray_.tMax);
   }
   bool isEmpty() const { return !(begin_ < end_); }
+  /// From now on there is nothing else.
+  void restrictTo(ObjectId object) { only_ = object; }
 
   void findClosest() {
     recordUnbounded();
@@ -109,7 +111,7 @@ class Query {
 
   /// Whether the hit is now the best one.
   bool offer(const HitKey& key) {
-    if (!isInRange(key)) return false;
+    if (!isInRange(key) || (only_ && key.object != *only_)) return false;
     if (hasBest_ && !(key < best_)) {
       nextT_ = std::fmin(nextT_, key.t);
       return false;
@@ -130,6 +132,7 @@ class Query {
   }
 
   void record(VolumeId volume) {
+    if (only_) return;
     ++counters_.volumeTests;
     Recorder recorder(*this, volume);
     if (!scene_.volumes[volume]->intersect(ray_, recorder)) ++counters_.openVolumes;
@@ -264,6 +267,7 @@ class Query {
   HitKey best_;
   double nextT_ = std::numeric_limits<double>::infinity();  ///< Of the nearest hit offered but for the best one.
   bool hasBest_ = false;
+  std::optional<ObjectId> only_;
   SpanBuffer& spans_;
   InterfaceBuffer* interfaces_ = nullptr;
   Counters& counters_;
@@ -403,6 +407,21 @@ std::optional<SurfaceHit> Scene::closestHit(const Ray<World>& ray, SpanBuffer& s
     return {};
   }
   if (query.isEmpty()) return {};
+  query.findClosest();
+  return query.hit();
+}
+
+std::optional<SurfaceHit> Scene::closestHitOn(ObjectId object, const Ray<World>& ray, Counters& counters) const {
+  const PhaseScope phase(counters.phase, Phase::tracing);
+  ++counters.closestHitQueries;
+  SpanBuffer none;
+  Query query(*data_, ray, none, counters, nullptr);
+  if (!query.isValid()) {
+    ++counters.invalidRays;
+    return {};
+  }
+  if (query.isEmpty()) return {};
+  query.restrictTo(object);
   query.findClosest();
   return query.hit();
 }

@@ -70,6 +70,9 @@ class Scene {
   std::optional<SurfaceHit> closestHit(const Ray<World>& ray, SpanBuffer& spans, Counters& counters,
                                        const HitKey* after = nullptr) const;
 
+  /// The same with one object alone, as if there was nothing else; no spans.
+  std::optional<SurfaceHit> closestHitOn(ObjectId object, const Ray<World>& ray, Counters& counters) const;
+
   /// Whether an opaque surface has tMin < t < tMax. If not, `spans` holds all volume spans in [tMin, tMax], sorted by
   /// (t0, volume) (none where they are partitioned), and `interfaces` all hits of pass-through surfaces in the order of
   /// HitKey; if so, both are empty.

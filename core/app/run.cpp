@@ -13,6 +13,7 @@
 #include "core/app/render_command.h"
 #include "core/app/study/study_command.h"
 #include "core/app/submit/submit_command.h"
+#include "core/app/tools/testrender_arguments.h"
 #include "core/app/tools/tool.h"
 #include "core/app/version_command.h"
 #include "core/shading/native_plugins.h"
@@ -50,7 +51,9 @@ ExitCode run(const std::string& program, const std::vector<std::string>& argumen
   }
   const auto tool = toolOfProgram(program);
   std::variant<Arguments, Reply> parsed = Arguments(ToolArguments{});
-  if (tool) {
+  if (isTestrender(program)) {
+    parsed = parseTestrenderArguments(arguments, shaderPath ? shaderPath : "");
+  } else if (tool) {
     parsed = Arguments(ToolArguments{*tool, true, arguments, {}});
   } else {
     parsed = parseCommandLine(arguments, shaderPath ? shaderPath : "");

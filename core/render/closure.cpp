@@ -16,4 +16,6 @@ Color Closure::albedo(std::span<const float>, const ClosurePoint&) const { retur
 float Closure::shadowing(std::span<const float>, Vector<World>) const { return 1; }
 Color Closure::emitted(std::span<const float>, const ClosurePoint&) const { return {}; }
 
+SubsurfaceBody Closure::body(std::span<const float>) const { return {}; }
+
 }  // namespace aerosol::render

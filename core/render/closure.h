@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include "core/base/color.h"
 #include "core/base/described_field.h"
 #include "core/base/geometry.h"
+#include "core/render/subsurface_body.h"
 
 namespace aerosol::render {
 
@@ -17,6 +19,7 @@ enum class ClosureKind : unsigned char {
   transparent,  ///< Lets light pass straight on.
   emission,     ///< Emits and does not scatter.
   interior,     ///< Says what lies inside; scatters nothing itself.
+  subsurface,   ///< Light enters, and leaves the body (`Closure::body`) somewhere else.
   holdout,      ///< Takes its weight from the image's coverage.
   shadowing     ///< On top of others: dims light by its direction (`Closure::shadowing`), scatters nothing itself.
 };
@@ -54,7 +57,9 @@ struct ClosureSample {
   Color weight;             ///< f |cos| / pdf.
   float pdf = 0;            ///< Per steradian; of a delta direction the probability of having chosen it.
   bool isDelta = false;
-  bool isPassing = false;  ///< Goes straight on, as if nothing was there.
+  bool isPassing = false;   ///< Goes straight on, as if nothing was there.
+  bool entersBody = false;  ///< Goes on inside: `Closure::body` of the term says where.
+  std::uint32_t term = 0;   ///< Of a mixture: which of its terms was chosen.
   /// How refraction into another index changes radiance without a change of energy; part of the weight.
   float radianceScale = 1;
 };
@@ -87,6 +92,8 @@ class Closure {
   virtual float shadowing(std::span<const float> parameters, Vector<World> toLight) const;
   /// Radiance towards the viewer.
   virtual Color emitted(std::span<const float> parameters, const ClosurePoint& point) const;
+  /// What light that enters goes through; of a closure of that kind.
+  virtual SubsurfaceBody body(std::span<const float> parameters) const;
 };
 
 }  // namespace aerosol::render

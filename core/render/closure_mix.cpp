@@ -40,7 +40,8 @@ Color ClosureMix::evaluateDiffuse(Vector<World> toLight) const {
 Color ClosureMix::albedo() const {
   Color sum;
   for (const WeightedClosure& term : terms_) {
-    if (term.closure->kind() == ClosureKind::scattering)
+    const ClosureKind kind = term.closure->kind();
+    if (kind == ClosureKind::scattering || kind == ClosureKind::subsurface)
       sum += term.weight * term.closure->albedo(term.parameters, point_);
   }
   return sum;
@@ -75,12 +76,18 @@ std::optional<ClosureSample> ClosureMix::sample(const ClosureUniforms& u) const 
   if (sample->isDelta || sampled_ == 1) {
     sample->weight = chosen->weight * sample->weight * (chosen->shadow(sample->direction) / probability);
     sample->pdf *= probability;
+    sample->term = static_cast<std::uint32_t>(chosen - terms_.data());
     return sample;
   }
   sample->pdf = pdf(sample->direction);
   if (!(sample->pdf > 0)) return {};
   sample->weight = evaluate(sample->direction) / sample->pdf;
   return sample;
+}
+
+SubsurfaceBody ClosureMix::bodyOf(const ClosureSample& sample) const {
+  const WeightedClosure& term = terms_[sample.term];
+  return term.closure->body(term.parameters);
 }
 
 Color ClosureMix::emitted() const {
@@ -107,7 +114,8 @@ Color ClosureMix::holdout() const {
 
 bool ClosureMix::isPassing() const {
   return std::all_of(terms_.begin(), terms_.end(), [](const WeightedClosure& term) {
-    return term.closure->kind() != ClosureKind::scattering || isBlack(term.weight);
+    const ClosureKind kind = term.closure->kind();
+    return (kind != ClosureKind::scattering && kind != ClosureKind::subsurface) || isBlack(term.weight);
   });
 }
 

@@ -39,6 +39,8 @@ class ClosureMix {
   /// The part of light that the terms scatter, those that let it pass straight left out.
   Color albedo() const;
   std::optional<ClosureSample> sample(const ClosureUniforms& u) const;
+  /// What a sample enters that says so.
+  SubsurfaceBody bodyOf(const ClosureSample& sample) const;
   /// Radiance towards the viewer.
   Color emitted() const;
   /// The part that passes straight on.

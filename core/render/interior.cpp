@@ -85,7 +85,8 @@ volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point, fl
       stack.cross(boundaryInterior(scene, hit.object), !hit.entering, ignored);
       return;
     }
-    const SurfaceAnswer answer = askSurface(scene, scene.objects[hit.object].material, shadingPointOf(hit, down));
+    const SurfaceAnswer answer =
+        askSurface(scene, scene.objects[hit.object].material, shadingPointOf(scene, hit, down));
     if (const auto interior = interiorOf(scene, hit.object, answer)) stack.cross(*interior, !hit.entering, ignored);
   });
   return stack;

@@ -34,7 +34,7 @@ volume::Task<bool> probeMedia(PathContext& path, Point<World> point, float time)
     if (object.isBoundary) {
       interior = boundaryInterior(scene, hit.object);
     } else {
-      const shading::ShadingPoint where = shadingPointOf(hit, down);
+      const shading::ShadingPoint where = shadingPointOf(scene, hit, down);
       interior = interiorOf(scene, hit.object, co_await path.shade(object.material, where));
     }
     if (interior) path.media.cross(*interior, !hit.entering, ignored);

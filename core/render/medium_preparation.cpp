@@ -57,6 +57,30 @@ SurfaceAnswer askSurface(const PreparedScene& scene, shading::InstanceRef shader
   return askOnce(scene, question, [](PathContext& path, const WorkerStatistics&) { return path.surfaceAnswer(); });
 }
 
+void askSurfaces(const PreparedScene& scene, shading::InstanceRef shader, std::span<const shading::ShadingPoint> points,
+                 const std::function<void(const SurfaceAnswer&)>& take) {
+  constexpr std::size_t atOnce = 64;
+  WorkerStatistics statistics;
+  ImmediateSink sink;
+  std::vector<std::unique_ptr<PathContext>> paths;
+  std::vector<PathContext*> slots;
+  for (std::size_t i = 0; i < std::min(atOnce, points.size()); ++i) {
+    paths.push_back(std::make_unique<PathContext>(scene, sink, statistics));
+    slots.push_back(paths.back().get());
+  }
+  KernelQueues queues(scene, statistics, AEROSOL_MAXIMUM_WIDTH);
+  for (std::size_t first = 0; first < points.size(); first += atOnce) {
+    const std::size_t count = std::min(atOnce, points.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Question question{nullptr, volume::Quantity::coefficients, {}, shader, &points[first + i]};
+      slots[i]->prepareAnswer(question);
+      queues.push(question, *slots[i], {static_cast<std::uint32_t>(i), 0});
+    }
+    while (!queues.empty()) queues.runFullest(slots);
+    for (std::size_t i = 0; i < count; ++i) take(slots[i]->surfaceAnswer());
+  }
+}
+
 std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shading::InstanceRef shader) {
   if (!scene.shading.family(shader).kernel(shading::Variant::surface).interface().isConstant()) return {};
   return askSurface(scene, shader, {});

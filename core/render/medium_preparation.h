@@ -1,6 +1,9 @@
 // What preparation decides about a medium: whether it is constant, its bound, its method, its step.
 #pragma once
 
+#include <functional>
+#include <span>
+
 #include <optional>
 
 #include "core/render/prepared_scene.h"
@@ -14,6 +17,9 @@ std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& sc
 
 /// The closures of one point, outside of any render.
 SurfaceAnswer askSurface(const PreparedScene& scene, shading::InstanceRef shader, const shading::ShadingPoint& point);
+/// The same at many points, in their order.
+void askSurfaces(const PreparedScene& scene, shading::InstanceRef shader, std::span<const shading::ShadingPoint> points,
+                 const std::function<void(const SurfaceAnswer&)>& take);
 /// Weights of a surface shader's closures, when they do not vary.
 std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shading::InstanceRef shader);
 

@@ -170,7 +170,7 @@ Task<> askStraightSurfaces(PathContext& path, Ray<World> ray) {
     const PreparedObject& object = scene.objects[key.object];
     PathContext::StraightCrossing crossing{Color(1.0f), {}};
     if (!object.isBoundary) {
-      const shading::ShadingPoint point = shadingPointOf(scene.geometry->hitAt(ray, key), ray);
+      const shading::ShadingPoint point = shadingPointOf(scene, scene.geometry->hitAt(ray, key), ray);
       const SurfaceAnswer& answer = co_await path.shade(object.material, point);
       crossing.through = Color();
       for (std::uint32_t site = 0; site < answer.siteCount; ++site) {

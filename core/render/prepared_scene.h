@@ -38,6 +38,7 @@ struct PreparedObject {
   const volume::Medium* exterior = nullptr;
   std::optional<int> priority;                          ///< Of the interior, where no closure describes one.
   bool passesShadows = false;                           ///< Its material has an answer of its own for shadow rays.
+  bool facesViewer = false;                             ///< Shaders are told normals towards the viewer.
   bool clipsVolumes = false;                            ///< The interior rules out volume primitives too.
   std::optional<std::uint32_t> light;                   ///< Index of its area light.
   std::vector<const Closure*> closures;                 ///< By closure site of the material's program.
@@ -90,7 +91,8 @@ struct PreparedScene {
   bool changes = false;  ///< Something changes while the shutter is open: every path has a time of its own.
   const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.
   bool shadowsPass = false;                      ///< Some material lets light through unbent, and says how much.
-  bool nestsMedia = false;  ///< Some material says what is inside: paths keep a stack of interiors.
+  bool nestsMedia = false;     ///< Some material says what is inside: paths keep a stack of interiors.
+  bool hasSubsurface = false;  ///< Some material lets light into its body.
   volume::PriorityOrder priorityOrder = volume::PriorityOrder::higherWins;
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
   bool probesMedia = false;          ///< Paths may begin in different media: each one looks by itself.

@@ -26,6 +26,7 @@ std::uint32_t QuestionFacts::rayTypes(std::uint32_t point) const { return questi
 bool QuestionFacts::isBackfacing(std::uint32_t point) const {
   const shading::ShadingPoint* surface = question(point).surfacePoint;
   if (!surface) return false;
+  if (surface->isTurned()) return true;
   const auto component = [&](lang::Global global, std::size_t i) {
     return (*surface)[static_cast<std::size_t>(jit::globalPointer(global)) + i];
   };

@@ -50,6 +50,8 @@ NamedLight nameLight(const scene::Emitter& emitter) {
     case scene::EmitterType::envmap:
       return {"envmap",
               {{"filename", emitter.file.string()}, {"scale", emitter.scale}, {"to_world", emitter.toWorld.matrix()}}};
+    case scene::EmitterType::background:
+      return {"envmap", {{"filename", std::string()}}};
     case scene::EmitterType::spot:
       return {"spot",
               {{"intensity", emitter.emitted},
@@ -177,16 +179,18 @@ const VolumeType* Registry::volume(std::string_view name) const {
 }
 
 Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, const scene::Emitter& emitter,
-                                               std::shared_ptr<const LightSurface> surface, Color texture) {
+                                               std::shared_ptr<const LightSurface> surface, Color texture,
+                                               const SkyPicture* picture) {
   NamedLight named = nameLight(emitter);
   return makeLight(registry, named.type, std::move(named.parameters), std::move(surface), emitter.origin.location,
-                   texture);
+                   texture, picture);
 }
 
 Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, std::string_view type,
                                                std::vector<scene::NamedValue> parameters,
                                                std::shared_ptr<const LightSurface> surface,
-                                               const SourceLocation& location, Color texture) {
+                                               const SourceLocation& location, Color texture,
+                                               const SkyPicture* picture) {
   const LightType* const known = registry.light(type);
   if (!known) return unknown(location, "light of type", std::string(type), namesOf(registry.lights()));
   if (Diagnostics errors = complete(*known, parameters, location); errors.hasErrors()) return errors;
@@ -196,7 +200,7 @@ Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, std::st
     return errors;
   }
   std::string problem;
-  auto light = known->make({parameters, std::move(surface), texture, &problem});
+  auto light = known->make({parameters, std::move(surface), texture, picture, &problem});
   if (!light) {
     Diagnostics errors;
     errors.error(location, problem);

@@ -23,12 +23,19 @@
 
 namespace aerosol::render {
 
+/// Radiance from all around by latitude and longitude, +y up, the middle at -z; rows reach from pole to pole.
+struct SkyPicture {
+  int width = 0, height = 0;
+  std::vector<Color> texels;
+};
+
 /// What a light is made from: its parameters, checked against the type's table, and for area lights its surface.
 struct LightArguments {
   std::span<const scene::NamedValue> parameters;
   std::shared_ptr<const LightSurface> surface;
-  Color texture{1};                ///< Mean of what a texture multiplies the light by.
-  std::string* problem = nullptr;  ///< Told when nothing can be made.
+  Color texture{1};                     ///< Mean of what a texture multiplies the light by.
+  const SkyPicture* picture = nullptr;  ///< Of a background: instead of a file.
+  std::string* problem = nullptr;       ///< Told when nothing can be made.
 
   /// The value of one of the type's parameters.
   template <class T>
@@ -115,12 +122,13 @@ class Registry {
 /// at its place, listing what is known.
 Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, const scene::Emitter& emitter,
                                                std::shared_ptr<const LightSurface> surface = nullptr,
-                                               Color texture = Color(1));
+                                               Color texture = Color(1), const SkyPicture* picture = nullptr);
 
 /// A light by the name of its type. Defaults are filled in, each value is checked against the type's table.
 Result<std::unique_ptr<const Light>> makeLight(const Registry& registry, std::string_view type,
                                                std::vector<scene::NamedValue> parameters,
                                                std::shared_ptr<const LightSurface> surface,
-                                               const SourceLocation& location = {}, Color texture = Color(1));
+                                               const SourceLocation& location = {}, Color texture = Color(1),
+                                               const SkyPicture* picture = nullptr);
 
 }  // namespace aerosol::render

@@ -28,6 +28,7 @@ void checkMesh(Preparation& state, const scene::Shape& shape) {
 
 void checkEmitter(Preparation& state, const scene::Emitter& emitter) {
   if (emitter.type == scene::EmitterType::envmap && !isThere(emitter.file)) return;
+  if (emitter.type == scene::EmitterType::background) return;  // All of it is its shader.
   const auto light = makeLight(state.registry, emitter);
   if (!light) state.appendNew(light.errors());
 }

@@ -136,6 +136,18 @@ std::optional<scene::Value> namedNumber(const lang::Parameter& parameter, const 
   return {};
 }
 
+/// A parameter by its name, or by metadata `string written = "volume"`: a name that is a word of the language.
+std::optional<std::uint32_t> parameterWritten(const lang::Program& program, const std::string& name) {
+  if (const auto index = shading::findParameter(program, name)) return index;
+  for (std::uint32_t i = 0; i < program.parameters.size(); ++i) {
+    for (const lang::MetadataValue& entry : program.parameters[i].metadata) {
+      const auto* texts = std::get_if<std::vector<std::string>>(&entry.value);
+      if (entry.name == "written" && texts && !texts->empty() && texts->front() == name) return i;
+    }
+  }
+  return {};
+}
+
 bool isOfKind(const scene::ShaderUse& use, const lang::Program& program, std::string_view kind, Diagnostics& errors) {
   // A shader of no special kind has no coefficients to give.
   if (program.kind == kind || (program.kind == "shader" && kind != "volume")) return true;
@@ -163,7 +175,7 @@ Result<shading::BoundGroup> bindSingle(const scene::ShaderUse& use, std::string_
   shading::BoundGroup bound{*program, {}};
   for (const scene::ShaderParameter& parameter : use.parameters) {
     auto value = givenValue(**program, parameter, errors);
-    const auto index = shading::findParameter(**program, parameter.name);
+    const auto index = parameterWritten(**program, parameter.name);
     if (value && index) bound.values.push_back({*index, std::move(value->value)});
   }
   if (errors.hasErrors()) return errors;
@@ -198,7 +210,7 @@ lang::Constant constantOf(const scene::Value& value) {
 
 std::optional<lang::GivenValue> givenValue(const lang::Program& program, const scene::ShaderParameter& parameter,
                                            Diagnostics& errors) {
-  const std::optional<std::uint32_t> index = shading::findParameter(program, parameter.name);
+  const std::optional<std::uint32_t> index = parameterWritten(program, parameter.name);
   if (!index) {
     errors.add(unknownParameter(program, parameter));
     return std::nullopt;
@@ -217,7 +229,7 @@ std::optional<lang::GivenValue> givenValue(const lang::Program& program, const s
                              lang::toString(type), scene::name(scene::typeOf(parameter.value))));
     return std::nullopt;
   }
-  return lang::GivenValue{parameter.name, type, shaderValue(*value), parameter.location};
+  return lang::GivenValue{program.parameters[*index].name, type, shaderValue(*value), parameter.location};
 }
 
 Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,

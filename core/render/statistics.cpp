@@ -33,6 +33,7 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   invalidVelocities += o.invalidVelocities;
   invalidClosures += o.invalidClosures;
   raysIntoLights += o.raysIntoLights;
+  bodyEntries += o.bodyEntries;
   frameHeapBlocks += o.frameHeapBlocks;
   media += o.media;
   if (kernels.size() < o.kernels.size()) kernels.resize(o.kernels.size());

@@ -36,6 +36,7 @@ struct WorkerStatistics {
   std::uint64_t invalidVelocities = 0;    ///< That were NaN or infinite: their points did not move.
   std::uint64_t invalidClosures = 0;      ///< Surface points with closures that were NaN or infinite.
   std::uint64_t raysIntoLights = 0;       ///< Rays through media that meet a point light without a radius.
+  std::uint64_t bodyEntries = 0;          ///< Paths that went into the body of a surface.
   volume::StackStatistics media;
   std::vector<KernelStatistics> kernels;           ///< By family · variantCount + variant.
   std::array<std::uint64_t, phaseCount> phases{};  ///< How often the thread was seen there; only of profiled renders.

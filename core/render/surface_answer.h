@@ -11,7 +11,7 @@ namespace aerosol::render {
 /// Weights and parameters of a shader's closure sites, as the kernel delivered them.
 struct SurfaceAnswer {
   static constexpr std::size_t maximumSites = 16;
-  static constexpr std::size_t maximumParameters = 24;
+  static constexpr std::size_t maximumParameters = 32;
 
   struct Site {
     Color weight;

@@ -5,13 +5,15 @@
 
 namespace aerosol::render {
 
-shading::ShadingPoint shadingPointOf(const accel::SurfaceHit& hit, const Ray<World>& ray) {
+shading::ShadingPoint shadingPointOf(const PreparedScene& scene, const accel::SurfaceHit& hit, const Ray<World>& ray) {
   using lang::Global;
+  const bool isTurned = scene.objects[hit.object].facesViewer && !hit.entering;
   shading::ShadingPoint point;
   point.set(Global::P, hit.point);
   point.set(Global::I, ray.direction);
-  point.set(Global::N, hit.shadingNormal);
-  point.set(Global::Ng, hit.geometricNormal);
+  point.set(Global::N, isTurned ? -hit.shadingNormal : hit.shadingNormal);
+  point.set(Global::Ng, isTurned ? -hit.geometricNormal : hit.geometricNormal);
+  point.setTurned(isTurned);
   point.set(Global::u, hit.u);
   point.set(Global::v, hit.v);
   point.set(Global::dPdu, hit.dPdu);
@@ -61,7 +63,9 @@ SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnsw
     const bool isUsed = object.closures[i] && (!isBlack(site.weight) || !object.layers.empty());
     if (!isUsed || object.closures[i]->kind() == ClosureKind::interior) continue;
     isSound[i] = isSoundSite(object, i, site);
-    if (isSound[i]) normalizeDirections(*object.closures[i], site.parameters, hit.shadingNormal);
+    const bool isTurned = object.facesViewer && !hit.entering;
+    if (isSound[i])
+      normalizeDirections(*object.closures[i], site.parameters, isTurned ? -hit.shadingNormal : hit.shadingNormal);
     if (!isSound[i] && !invalidSite_) invalidSite_ = i;
   }
   ClosurePoint point{-direction, hit.geometricNormal};

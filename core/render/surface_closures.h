@@ -12,7 +12,7 @@
 namespace aerosol::render {
 
 /// The shader globals of a hit. `toViewer` is unit.
-shading::ShadingPoint shadingPointOf(const accel::SurfaceHit& hit, const Ray<World>& ray);
+shading::ShadingPoint shadingPointOf(const PreparedScene& scene, const accel::SurfaceHit& hit, const Ray<World>& ray);
 
 /// The closures of one hit; owns what the mix refers to. `crossing` gives the indices of the media on both sides.
 class SurfaceClosures {

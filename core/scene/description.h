@@ -234,7 +234,17 @@ struct Sensor {
   FieldOfView fieldOfView() const;
 };
 
-enum class EmitterType : std::uint8_t { point, directional, constant, area, envmap, spot, projector, sunsky };
+enum class EmitterType : std::uint8_t {
+  point,
+  directional,
+  constant,
+  area,
+  envmap,
+  spot,
+  projector,
+  sunsky,
+  background
+};
 
 /// Where a sun stands: in a direction, or as it is seen from a place on earth at a time.
 struct SunPlace {
@@ -267,7 +277,9 @@ struct Emitter {
   float sunScale = 1;
   float skyScale = 1;
   float sunAperture = 0.5338f;  ///< Degrees across the disc.
-  /// A shader among the materials, of which the weight of the only closure multiplies what is emitted.
+  int resolution = 512;         ///< Of a background: columns of the picture that its shader gives.
+  /// A shader among the materials, of which the weight of the only closure multiplies what is emitted; of a background
+  /// the one that tells its radiance.
   std::optional<std::size_t> texture;
   std::string lightGroup;  ///< The picture of its light alone; empty: none.
   Origin origin;
@@ -305,6 +317,7 @@ struct Shape {
   Point<Object> end{0, 0, 1};  ///< Of a cylinder.
   float radius = 1;
   bool flipNormals = false;
+  bool facesViewer = false;  ///< Shaders are told N and Ng turned towards the viewer.
   bool faceNormals = false;
   std::optional<bool>
       flipTexCoords;  ///< Of meshes from files: v of the file counts from below. Not given: of obj it does.

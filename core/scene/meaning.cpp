@@ -120,7 +120,11 @@ class SceneBuilder {
     const auto type = readTyped(element, emitterTypes(), emitter);
     if (!type) return std::nullopt;
     emitter.type = static_cast<EmitterType>(*type);
-    readLightTexture(element, emitter);
+    if (emitter.type == EmitterType::background) {
+      readBackground(element, emitter);
+    } else {
+      readLightTexture(element, emitter);
+    }
     if (emitter.origin.has("filename")) findEmitterFile(emitter);
     if (emitter.beamWidth && *emitter.beamWidth > emitter.cutoffAngle) {
       reporter_.error(emitter.origin.of("beam_width"), "'beam_width' is wider than 'cutoff_angle'");
@@ -146,6 +150,16 @@ class SceneBuilder {
       if (!emitter.origin.has(other)) continue;
       reporter_.error(emitter.origin.of(other),
                       fmt::format("'sun_direction' and '{}' both place the sun: write one of them", other));
+    }
+  }
+
+  void readBackground(const Element& element, Emitter& emitter) {
+    const Child shader = IdTable::single(ids_.children(element, {"bsdf"}, reporter_), "bsdf", reporter_);
+    if (shader.object) {
+      emitter.texture = shaders_.material(*shader.object);
+    } else if (element.children.empty()) {
+      reporter_.error(element.location, fmt::format("{} lacks its shader", describe(element)),
+                      {"write a <bsdf type=\"…\"> or a <ref id=\"…\"/> to one into it"});
     }
   }
 
@@ -198,7 +212,8 @@ class SceneBuilder {
     std::optional<Emitter> emitter = readEmitter(element);
     if (!emitter) return;
     const auto surrounds = [](const Emitter& e) {
-      return e.type == EmitterType::constant || e.type == EmitterType::envmap || e.type == EmitterType::sunsky;
+      return e.type == EmitterType::constant || e.type == EmitterType::envmap || e.type == EmitterType::sunsky ||
+             e.type == EmitterType::background;
     };
     if (surrounds(*emitter)) {
       const auto first = std::find_if(scene_.emitters.begin(), scene_.emitters.end(), surrounds);

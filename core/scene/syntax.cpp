@@ -11,6 +11,8 @@
 #include "core/scene/definitions.h"
 #include "core/scene/spectrum_reader.h"
 #include "core/scene/transform_reader.h"
+#include "core/scene/upgrade.h"
+#include "core/scene/world.h"
 #include "core/scene/xml_reader.h"
 
 namespace aerosol::scene {
@@ -56,11 +58,14 @@ class TreeReader {
   SceneTree read(const SourceText& root) {
     tree_.scene.tag = "scene";
     tree_.scene.location = root.at(0);
-    if (const auto xml = readXml(root, reporter_)) {
+    if (auto xml = readXml(root, reporter_)) {
+      upgrade(*xml);
       const FileScope scope(*this, root);
       tree_.scene.location = root.at(xml->offset);
       if (xml->tag == "scene") {
         readScene(*xml, tree_.scene, true);
+      } else if (xml->tag == "World") {
+        tree_ = readWorld(*xml, root, reporter_);
       } else {
         reporter_.error(
             root.at(xml->offset),
@@ -103,7 +108,15 @@ class TreeReader {
     return names;
   }
 
-  /// Version 2 renamed all parameters, so older files would be misread.
+  /// Version 2 renamed all parameters. A file says its own version; what it includes without one is read as it is.
+  static void upgrade(XmlElement& root) {
+    for (const XmlAttribute& attribute : root.attributes) {
+      if (attribute.name != "version") continue;
+      const std::string_view text = trim(attribute.value);
+      if (text.starts_with("0.") || text.starts_with("1.") || text == "0" || text == "1") upgradeNames(root);
+    }
+  }
+
   void checkVersion(const Attribute& version) {
     int major = 0;
     const std::string_view text = trim(version.value);
@@ -112,8 +125,8 @@ class TreeReader {
     const bool numeric = rest.find_first_not_of("0123456789.") == std::string_view::npos;
     if (code != std::errc{} || !numeric || (!rest.empty() && rest[0] != '.')) {
       reporter_.error(version.valueLocation, fmt::format("'{}' is not a version: write 3.0.0", text));
-    } else if (major < 2 || major > 3) {
-      reporter_.error(version.valueLocation, fmt::format("version {} is not read here: 2.0.0 to 3.x are", text));
+    } else if (major > 3) {
+      reporter_.error(version.valueLocation, fmt::format("version {} is not read here: 0.1.0 to 3.x are", text));
     }
   }
 
@@ -248,9 +261,10 @@ class TreeReader {
       reporter_.error(text.at(0), fmt::format("files are included more than {} deep", nestingLimit));
       return;
     }
-    const auto xml = readXml(text, reporter_);
+    auto xml = readXml(text, reporter_);
     incomplete_ = incomplete_ || !xml;
     if (!xml) return;
+    upgrade(*xml);
     const FileScope scope(*this, text);
     if (xml->tag == "scene" && parent.tag == "scene") {
       readScene(*xml, parent, false);

@@ -28,6 +28,9 @@ std::vector<Field<Shape>> shapeFields(bool fromFile) {
   std::vector<Field<Shape>> fields = {
       field<&Shape::toWorld>({.name = "to_world", .doc = "the shape's own space to world", .defaultText = "identity"}),
       field<&Shape::flipNormals>({.name = "flip_normals", .doc = "turn inside and outside around"}),
+      field<&Shape::facesViewer>({.name = "faces_viewer",
+                                  .doc = "shaders find N and Ng turned towards the viewer, as those of testrender do: "
+                                         "matte sheets are seen from both sides"}),
       field<&Shape::priority>({.name = "priority",
                                .doc = "of the interior medium (or of empty space inside, without one): where surfaces "
                                       "overlap the higher is there; 0 takes no part; a material with a medium of its "
@@ -326,7 +329,15 @@ const std::vector<TypeTable<Emitter>>& emitterTypes() {
          .nested = "texture named irradiance"},
         {.type = "sunsky",
          .doc = "the sun and a clear sky, by the model of Preetham, Shirley and Smits (1999)",
-         .fields = sunSkyFields()}};
+         .fields = sunSkyFields()},
+        {.type = "background",
+         .doc = "light from all around, as a surface shader says: its background() by the direction I",
+         .fields = {field<&Emitter::resolution>(
+             {.name = "resolution",
+              .unit = "pixels",
+              .doc = "the shader is asked in so many directions around and half as many from pole to pole",
+              .range = {.minimum = 4, .maximum = 8192}})},
+         .nested = "bsdf"}};
     for (TypeTable<Emitter>& table : all)
       table.fields.push_back(lightGroupField<Emitter>("its light is a layer of its own with --aov light_groups"));
     return all;

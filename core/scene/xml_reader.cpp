@@ -186,7 +186,7 @@ class Converter {
     result.offset = tagOffset(node);
     readAttributes(node, result);
     for (const pugi::xml_node child : node.children()) {
-      if (isText(child) && (result.tag == "source" || result.tag == "group")) {
+      if (isText(child) && (result.tag == "source" || result.tag == "group" || result.tag == "ShaderGroup")) {
         if (result.text.empty()) result.textOffset = static_cast<std::size_t>(child.offset_debug());
         result.text += child.value();
       } else if (isText(child)) {

@@ -20,7 +20,7 @@ struct XmlAttribute {
   bool exact = true;  ///< Byte i of the value is byte `valueOffset` + i of the file (no entity was replaced).
 };
 
-/// An element; `offset` is that of its `<`. Text stands in `source` and `group` alone.
+/// An element; `offset` is that of its `<`. Text stands in `source`, `group` and `ShaderGroup` alone.
 struct XmlElement {
   std::string tag;
   std::size_t offset = 0;

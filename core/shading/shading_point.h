@@ -28,11 +28,16 @@ class ShadingPoint {
   void setPlace(const MeshPlace& place) { place_ = place; }
   const MeshPlace& place() const { return place_; }
 
+  /// N and Ng were turned towards the viewer, who sees the surface from behind.
+  void setTurned(bool isTurned) { isTurned_ = isTurned; }
+  bool isTurned() const { return isTurned_; }
+
   float operator[](std::size_t component) const { return components_[component]; }
 
  private:
   std::array<float, jit::globalPointerCount> components_{};
   MeshPlace place_;
+  bool isTurned_ = false;
 };
 
 }  // namespace aerosol::shading

@@ -1,6 +1,7 @@
 // Metal: microfacets that reflect as Fresnel's equations say for a complex index.
 
 #include "core/render/fresnel.h"
+#include "core/render/thin_film.h"
 #include "plugins/closures/facet_lobe.h"
 
 namespace aerosol::render {
@@ -22,7 +23,9 @@ struct Conductor {
        .type = FieldType::choice,
        .unit = "",
        .doc = "Of the microfacets",
-       .choices = microfacetFinishes}};
+       .choices = microfacetFinishes},
+      {.name = "thinfilm_thickness", .unit = "nm", .maximum = 1000, .doc = "Of a film on top; 0: none"},
+      {.name = "thinfilm_ior", .unit = "", .minimum = 1, .maximum = 2.5f, .doc = "Index of refraction of the film"}};
 
   Conductor(std::span<const float> p, const ClosurePoint&)
       : normal(directionAt(p, 0)),
@@ -31,9 +34,11 @@ struct Conductor {
         alphaY(p[7]),
         ior(colorAt(p, 8)),
         extinction(colorAt(p, 11)),
-        finish(Microfacets::finishAt(p[14])) {}
+        finish(Microfacets::finishAt(p[14])),
+        film{p[15], p[16]} {}
 
   Color fresnel(float cosine) const {
+    if (film.isThere()) return filmReflectance(film, cosine, ior, extinction);
     Color f;
     for (int i = 0; i < 3; ++i) f[i] = fresnelConductor(cosine, ior[i], extinction[i]);
     return f;
@@ -43,6 +48,7 @@ struct Conductor {
   float alphaX, alphaY;
   Color ior, extinction;
   Microfacets::Finish finish;
+  ThinFilm film;
 };
 
 }  // namespace

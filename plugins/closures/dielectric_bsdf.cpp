@@ -1,6 +1,7 @@
 // A boundary between two dielectrics, smooth or of microfacets: reflection and refraction.
 
 #include "core/render/fresnel.h"
+#include "core/render/thin_film.h"
 #include "plugins/closures/facet_boundary.h"
 
 namespace aerosol::render {
@@ -27,7 +28,9 @@ struct Dielectric {
        .type = FieldType::choice,
        .unit = "",
        .doc = "Of the microfacets",
-       .choices = microfacetFinishes}};
+       .choices = microfacetFinishes},
+      {.name = "thinfilm_thickness", .unit = "nm", .maximum = 1000, .doc = "Of a film on top; 0: none"},
+      {.name = "thinfilm_ior", .unit = "", .minimum = 1, .maximum = 2.5f, .doc = "Index of refraction of the film"}};
 
   Dielectric(std::span<const float> p, const ClosurePoint& point)
       : normal(directionAt(p, 0)),
@@ -37,15 +40,26 @@ struct Dielectric {
         alphaX(p[12]),
         alphaY(p[13]),
         eta(point.relativeIor(p[14])),
-        finish(Microfacets::finishAt(p[15])) {}
+        finish(Microfacets::finishAt(p[15])),
+        film(filmAt(point, p[16], p[17], eta)) {}
 
-  Color reflected(float cosine) const { return reflectionTint * fresnelDielectric(cosine, eta); }
-  Color transmitted(float cosine) const { return transmissionTint * (1 - fresnelDielectric(cosine, eta)); }
+  /// Whether facets do not reflect as Fresnel's equations say for `eta`.
+  bool hasOwnCurve() const { return film.isThere(); }
+  float reflectance(float cosine) const { return average(curve(cosine)); }
+  Color reflected(float cosine) const { return reflectionTint * curve(cosine); }
+  Color transmitted(float cosine) const { return transmissionTint * (Color(1) - curve(cosine)); }
 
   Vector<World> normal, tangent;
   Color reflectionTint, transmissionTint;
   float alphaX, alphaY, eta;
   Microfacets::Finish finish;
+  ThinFilm film;
+
+ private:
+  Color curve(float cosine) const {
+    if (film.isThere()) return filmReflectance(film, cosine, Color(eta), Color());
+    return Color(fresnelDielectric(cosine, eta));
+  }
 };
 
 }  // namespace

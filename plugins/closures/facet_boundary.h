@@ -9,12 +9,21 @@
 
 #include "core/render/facet_albedo.h"
 #include "core/render/microfacet.h"
+#include "core/render/thin_film.h"
 #include "plugins/closures/lobe_closure.h"
 
 namespace aerosol::render {
 
+/// A film on a boundary whose far index is `eta` times the near one; its own is told over empty space.
+inline ThinFilm filmAt(const ClosurePoint& point, float thickness_nm, float ior, float eta) {
+  const float near = point.iorNear > 0 ? point.iorNear : eta > 0 && eta < 1 ? 1 / eta : 1;
+  return {thickness_nm, ior / near};
+}
+
 /// `Model` has the names of a lobe, `normal`, `tangent`, `alphaX`, `alphaY`, `finish` and `eta`, the far index over the
-/// near one, and gives `reflected(cosine)` and `transmitted(cosine)`, the colours that one facet sends either way.
+/// near one, and gives `reflected(cosine)` and `transmitted(cosine)`, the colours that one facet sends either way, and
+/// `reflectance(cosine)`, the mean of the first without tints, where that is not Fresnel's for `eta` (or not always:
+/// `hasOwnCurve`).
 template <class Model>
 class FacetBoundary {
  public:
@@ -111,13 +120,18 @@ class FacetBoundary {
     const BoundaryAlbedo once =
         boundaryAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), model_.eta, viewer_);
     if constexpr (requires { model_.reflectance(1.0f); }) {
+      if (!hasOwnCurve()) return once.reflected + once.transmitted;
       const float reflected = model_.reflectance(viewer_.z), passing = 1 - fresnelDielectric(viewer_.z, model_.eta);
       const float mirror = mirrorAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), viewer_);
       const float passed = passing > 1e-3f ? std::min(once.transmitted / passing, 1.0f) : 1;
       return reflected * mirror + (1 - reflected) * passed;
-    } else {
-      return once.reflected + once.transmitted;
     }
+    return once.reflected + once.transmitted;
+  }
+
+  bool hasOwnCurve() const {
+    if constexpr (requires { model_.hasOwnCurve(); }) return model_.hasOwnCurve();
+    return true;
   }
 
   std::optional<Facet> facetOf(Vector<World> toLight) const {

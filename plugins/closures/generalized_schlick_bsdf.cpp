@@ -2,6 +2,7 @@
 // bends by the index that reflects f0.
 
 #include "core/render/fresnel.h"
+#include "core/render/thin_film.h"
 #include "plugins/closures/facet_boundary.h"
 
 namespace aerosol::render {
@@ -35,7 +36,9 @@ struct GeneralizedSchlick {
        .type = FieldType::choice,
        .unit = "",
        .doc = "Of the microfacets",
-       .choices = microfacetFinishes}};
+       .choices = microfacetFinishes},
+      {.name = "thinfilm_thickness", .unit = "nm", .maximum = 1000, .doc = "Of a film on top; 0: none"},
+      {.name = "thinfilm_ior", .unit = "", .minimum = 1, .maximum = 2.5f, .doc = "Index of refraction of the film"}};
 
   GeneralizedSchlick(std::span<const float> p, const ClosurePoint& point)
       : normal(directionAt(p, 0)),
@@ -48,10 +51,12 @@ struct GeneralizedSchlick {
         alphaY(p[13]),
         exponent(p[20]),
         eta(point.relativeIor(indexThatReflects(average(f0)))),
-        finish(Microfacets::finishAt(p[21])) {}
+        finish(Microfacets::finishAt(p[21])),
+        film(filmAt(point, p[22], p[23], eta)) {}
 
   /// From the denser side by the angle on the other one, which is 90 degrees where reflection is total.
   Color curve(float cosine) const {
+    if (film.isThere()) return filmReflectance(film, cosine, baseIndex(), Color());
     if (eta >= 1) return fresnelSchlick(cosine, f0, f90, exponent);
     const float sineSquared = (1 - cosine * cosine) / (eta * eta);
     if (sineSquared >= 1) return Color(1);
@@ -68,6 +73,15 @@ struct GeneralizedSchlick {
   Color reflectionTint, transmissionTint, f0, f90;
   float alphaX, alphaY, exponent, eta;
   Microfacets::Finish finish;
+  ThinFilm film;
+
+ private:
+  /// Below a film f0 says what the base is made of, by channel.
+  Color baseIndex() const {
+    Color index;
+    for (int c = 0; c < 3; ++c) index[c] = indexThatReflects(f0[c]);
+    return eta >= 1 ? index : Color(1 / index.r, 1 / index.g, 1 / index.b);
+  }
 };
 
 }  // namespace

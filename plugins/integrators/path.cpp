@@ -13,6 +13,7 @@
 #include "core/render/nesting.h"
 #include "core/render/prepared_scene.h"
 #include "core/render/registry.h"
+#include "core/render/subsurface_walk.h"
 #include "core/render/surface_closures.h"
 
 namespace aerosol::render {
@@ -158,13 +159,47 @@ bool reflects(const accel::SurfaceHit& hit, Vector<World> direction) {
   return (dot(direction, hit.geometricNormal) > 0) == hit.entering;
 }
 
+/// All the way through a body is one event.
+constexpr ScatterShare outOfBody[] = {{PathEvent::reflectDiffuse, Color(1.0f)}};
+
+/// Light that entered a body and leaves it elsewhere, into the medium that it came from.
+Task<Step> leaveBody(PathContext& path, PathState& state, Radiance& radiance, const BodyEntry& entry,
+                     const ClosureSample& next) {
+  const PreparedScene& scene = path.scene();
+  ++path.statistics().bodyEntries;
+  const auto way = walkThroughBody(*scene.geometry, entry, path.random(), path.statistics().accel);
+  if (!way) co_return Step::ends;
+  state.throughput *= next.weight * way->weight;
+  if (path.record) path.record->weaken(next.weight * way->weight);
+  const BodyExit exit(entry.body, way->hit);
+  const SurfaceVertex::Side outside{state.boundaryMedium, path.media};
+  const SurfaceVertex vertex(way->hit, exit.mix(), outside, outside);
+  // The numbers with which lights were sampled where it entered serve again: no product has both.
+  beginVertex(path, state.length);
+  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
+  radiance.color += state.throughput * light;
+  if (path.record && !isBlack(light)) path.record->addSampled(light, outOfBody);
+  const std::optional<ClosureSample> leaving =
+      exit.mix().sample({.choice = 0, .place = {path.random().nextHash(), path.random().nextHash()}});
+  if (!leaving) co_return Step::ends;
+  if (path.record) {
+    path.record->scatter(outOfBody, leaving->weight);
+    state.wayBefore = seenDistance(state, entry.hit.point);
+  }
+  state.rayTypes = shading::ray::diffuse;
+  state.lightsReach = true;
+  state.direction = {.from = way->hit.point, .pdf = leaving->pdf, .isDelta = false};
+  continueFrom(state, way->hit.originTowards(leaving->direction), leaving->direction, leaving->weight);
+  co_return Step::scatters;
+}
+
 /// Emission and scattering at an opaque surface, unless a medium of higher priority hides it. `passed` becomes what was
 /// gone through when the ray passes.
 Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, accel::SurfaceHit hit,
                        std::optional<accel::HitKey>& passed) {
   const PreparedScene& scene = path.scene();
   Nesting nesting;
-  const shading::ShadingPoint point = shadingPointOf(hit, state.ray);
+  const shading::ShadingPoint point = shadingPointOf(scene, hit, state.ray);
   if (scene.nestsMedia) {
     nesting = co_await findNesting(path, state.ray, hit);
     hit = nesting.face;
@@ -185,7 +220,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   if (object.light && !isHidden) {
     Color emitted = metLight(scene, *object.light, hit, state.ray.direction, state.direction);
     if (scene.lightTextures[*object.light]) {
-      const shading::ShadingPoint met = shadingPointOf(hit, state.ray);
+      const shading::ShadingPoint met = shadingPointOf(scene, hit, state.ray);
       emitted *= co_await lightTexture(path, *object.light, met);
     }
     radiance.color += state.throughput * emitted;
@@ -224,6 +259,10 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   uniforms.choice = path.random().next1D();
   const std::optional<ClosureSample> next = closures.mix().sample(uniforms);
   if (!next) co_return Step::ends;
+  if (scene.hasSubsurface && next->entersBody) {
+    const BodyEntry entry{closures.mix().bodyOf(*next), hit, next->direction, state.ray.time};
+    co_return co_await leaveBody(path, state, radiance, entry, *next);
+  }
   const Vector<World> before = state.ray.direction;
   const bool crosses = dot(next->direction, hit.geometricNormal) * dot(before, hit.geometricNormal) > 0;
   if (path.record) {

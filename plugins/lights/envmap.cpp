@@ -163,6 +163,10 @@ std::unique_ptr<const Light> make(const LightArguments& arguments) {
   };
   const auto toWorld = arguments.get<Matrix4>("to_world");
   if (!isRotation(toWorld)) return fail("'to_world' of an environment may turn and mirror it, nothing else");
+  if (const SkyPicture* picture = arguments.picture) {
+    return std::make_unique<EnvironmentMap>(Panorama(picture->width, picture->height, picture->texels), toWorld,
+                                            arguments.get<float>("scale"));
+  }
   const auto file = arguments.get<std::string>("filename");
   auto image = image::readImage(file);
   if (!image) return fail(image.errors().entries().front().message);

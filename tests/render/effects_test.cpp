@@ -65,6 +65,9 @@ const std::vector<EffectCase>& cases() {
        std::string(sky) +
            R"(<shape type="sphere"><bsdf type="dielectric"><integer name="priority" value="1"/></bsdf></shape>)",
        {"light-sampling", "constant-light", "surfaces", "nested-media"}},
+      {"subsurface",
+       std::string(sky) + R"(<shape type="sphere"><bsdf type="subsurface"/></shape>)",
+       {"light-sampling", "constant-light", "surfaces", "subsurface"}},
       {"interior",
        fmt::format(R"(<shape type="sphere"><bsdf type="null"/>{}</shape>)",
                    std::string(absorber).replace(0, 7, "<medium name=\"interior\"")),

@@ -84,6 +84,33 @@ TEST_F(Heterogeneous, MayUseTheBoxOfTheFile) {
   expectOpticalDepth(voxels("density.vol", place), Color(0.2f + (0.2f + 0.6f) / 2), "marching");
 }
 
+/// A wall that faces the camera, below an even sky, from x = -1 to 1 at z = 0: what it reflects is the volume's colour
+/// there, wherever the shape itself has been moved from.
+TEST_F(Heterogeneous, ColoursSurfacesWhereTheyAre) {
+  const auto wall = [&](const std::string& texture) {
+    return loadScene("", {.fov = 20},
+                     fmt::format(R"(<emitter type="constant"/><shape type="rectangle"><transform name="to_world">
+        <rotate y="1" angle="180"/><scale value="3"/></transform><bsdf type="diffuse">{}</bsdf></shape>)",
+                                 texture));
+  };
+  const auto shape = [&](const std::string& options) {
+    return fmt::format(R"(<texture name="reflectance" type="volume"><volume name="volume" type="gridvolume">
+        <string name="filename" value="{}/color.vol"/>{}</volume></texture>)",
+                       folder_.string(), options);
+  };
+  const TestScene scene = wall(shape(
+      R"(<transform name="to_world"><translate x="-0.5" y="-0.5" z="-0.5"/><scale x="2" y="20" z="20"/></transform>)"));
+  ASSERT_TRUE(scene.scene());
+  EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>& ray) {
+    const float x = ray.at(5 / ray.direction.z).x, along = std::clamp(x + 0.5f, 0.0f, 1.0f);
+    return Color(0.2f, 0.3f, 0.4f) * (1 - along) + Color(1, 0.8f, 0.6f) * along;
+  }));
+  const TestScene even =
+      wall(R"(<texture type="volume" name="reflectance"><rgb name="volume" value="0.1, 0.5, 0.9"/></texture>)");
+  ASSERT_TRUE(even.scene());
+  EXPECT_TRUE(shows(even, *even.render(64), [](const Ray<World>&) { return Color(0.1f, 0.5f, 0.9f); }));
+}
+
 TEST_F(Heterogeneous, TakesConstantVolumesAndReferences) {
   expectOpticalDepth(R"(<volume name="sigma_t" type="constvolume"><rgb name="value" value="0.1, 0.2, 0.3"/></volume>)",
                      Color(0.4f, 0.8f, 1.2f), "auto");

@@ -142,6 +142,16 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
   if (!isBlack(closure.evaluate(p, point, anywhere)) || closure.pdf(p, point, anywhere) != 0) {
     return ::testing::AssertionFailure() << "scatters, though it says otherwise";
   }
+  if (closure.kind() == ClosureKind::subsurface) {
+    const bool enters = s && s->isDelta && s->entersBody &&
+                        dot(s->direction, geometricNormal) * dot(point.toViewer, geometricNormal) < 0 &&
+                        std::fabs(length(s->direction) - 1) < 1e-5f && maximum(s->weight) <= 1 &&
+                        minimum(s->weight) > 0;
+    const SubsurfaceBody body = closure.body(p);
+    const bool isSound = minimum(body.extinction) > 0 && isFinite(body.extinction) && minimum(body.albedo) >= 0 &&
+                         maximum(body.albedo) <= 1 && std::fabs(body.anisotropy) < 1;
+    return enters && isSound ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << "does not enter a body";
+  }
   const bool isSilent = closure.kind() == ClosureKind::interior || closure.kind() == ClosureKind::holdout ||
                         closure.kind() == ClosureKind::shadowing;
   if (isSilent) return s ? ::testing::AssertionFailure() : ::testing::AssertionSuccess();
@@ -231,7 +241,8 @@ TEST(Closures, MicrofacetsKeepTheLightInAWhiteFurnace) {
       for (const float ratio : {1.0f, 0.6f, 0.2f}) {
         for (const double view : {0.1, 0.9, 1.3}) {
           const ClosurePoint point{tilted(view, 4), geometricNormal};
-          const Parameters metal{n.x, n.y, n.z, across.x, across.y, across.z, x, x * ratio, 0, 0, 0, 1, 1, 1, shape};
+          const Parameters metal{n.x, n.y, n.z, across.x, across.y, across.z, x, x * ratio, 0,
+                                 0,   0,   1,   1,        1,        shape,    0, 1};
           const double reflected = energyOf(*registry.closure("conductor_bsdf"), metal, point);
           EXPECT_GE(reflected, 0.99) << "metal " << shape << ' ' << x << ' ' << ratio << ' ' << view;
           EXPECT_LE(reflected, 1.0002) << "metal " << shape << ' ' << x << ' ' << ratio << ' ' << view;
@@ -261,6 +272,41 @@ TEST(Closures, AlbedoIsTheMeanWeightSeenStraightOn) {
     // Microfacets that hide each other lose a little.
     EXPECT_NEAR(weights.mean(), static_cast<double>(closure->albedo(p, point).g), 0.01) << closure->name();
   }
+}
+
+/// Fibres that absorb nothing, of every width and tilt.
+TEST(Closures, FibresKeepTheLightInAWhiteFurnace) {
+  const Registry registry = allPlugins();
+  const Closure& hair = *registry.closure("chiang_hair_bsdf");
+  const Vector<World> n = tilted(0, 0), along = Frame<World>(n).x;
+  for (const float width : {0.02f, 0.2f, 0.8f}) {
+    for (const float tilt : {0.5f, 0.53f, 0.45f}) {
+      for (const double view : {0.0, 0.7, 1.3}) {
+        const Parameters p{n.x, n.y, n.z,   along.x, along.y,   along.z,   1,     1,     1,     1,    1, 1, 1,
+                           1,   1,   1.55f, width,   width / 4, width * 4, width, width, width, tilt, 0, 0, 0};
+        const ClosurePoint point{tilted(view, 2), geometricNormal};
+        EXPECT_NEAR(hair.albedo(p, point).g, 1, 1e-5f);
+        EXPECT_NEAR(energyOf(hair, p, point), 1, 0.004) << width << ' ' << tilt << ' ' << view;
+      }
+    }
+  }
+}
+
+/// What passes a fibre straight across twice is dimmed by its absorption; what is reflected is not.
+TEST(Closures, FibresAbsorbAlongTheWayInside) {
+  const Registry registry = allPlugins();
+  const Closure& hair = *registry.closure("chiang_hair_bsdf");
+  const Vector<World> n = tilted(0, 0), along = Frame<World>(n).x;
+  Parameters p{n.x, n.y, n.z,  along.x, along.y, along.z, 1,    1,    1,    1,    1,    1,    1,
+               1,   1,   1.5f, 0.1f,    0.1f,    0.1f,    0.2f, 0.2f, 0.2f, 0.5f, 0.1f, 0.5f, 3};
+  const Color found = hair.albedo(p, {n, geometricNormal});
+  for (int c = 0; c < 3; ++c) {
+    const double f = 0.04, t = std::exp(-2 * static_cast<double>(p[static_cast<std::size_t>(23 + c)]));
+    EXPECT_NEAR(static_cast<double>(found[c]), f + (1 - f) * (1 - f) * t / (1 - f * t), 1e-5);
+  }
+  // Tints are those of the lobes.
+  for (std::size_t i = 6; i < 15; ++i) p[i] = i < 9 ? 0.5f : 0;
+  EXPECT_NEAR(hair.albedo(p, {n, geometricNormal}).r, 0.02f, 1e-5f);
 }
 
 /// From within the denser side too: refraction changes radiance by the square of the index, energy not at all.

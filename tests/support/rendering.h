@@ -21,6 +21,7 @@ struct SceneOptions {
   std::optional<std::string> isa;  ///< Of shaders.
   bool laneCounters = false;
   std::uint32_t loopBudget = 1u << 24;
+  bool mayWarn = false;  ///< Warnings are no failures.
 };
 
 /// A scene that is ready. Errors and warnings are test failures with their text.

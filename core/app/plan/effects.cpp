@@ -161,6 +161,19 @@ class EffectList {
         [](const WorkerStatistics& s) { return pointsOf(s, shading::Variant::surface); },
         [](const WorkerStatistics& s) { return shaderShare(s, [](std::size_t v) { return !isVolume(v); }); });
     add("medium-boundaries", boundaries, "no surface is there for media alone");
+    Names bodies;
+    for (std::size_t i = 0; i < scene_.objects.size() && scene_.hasSubsurface; ++i) {
+      const auto& closures = scene_.objects[i].closures;
+      const bool hasBody = std::any_of(closures.begin(), closures.end(), [](const render::Closure* c) {
+        return c && c->kind() == render::ClosureKind::subsurface;
+      });
+      if (hasBody) {
+        bodies.add(scene_.shading.family(scene_.objects[i].material).program->name,
+                   description_.shapes[i].origin.location);
+      }
+    }
+    add("subsurface", bodies, "no surface shader lets light into its body",
+        [](const WorkerStatistics& s) { return s.bodyEntries; });
     Names dielectrics;
     for (std::size_t i = 0; i < scene_.objects.size() && scene_.nestsMedia; ++i) {
       const auto& closures = scene_.objects[i].closures;

@@ -132,7 +132,7 @@ volume::Task<> recordFirstHit(PathContext& path, CameraSample camera, Ray<World>
     const PreparedObject& object = scene.objects[hit->object];
     if (object.isBoundary) continue;
     path.setRay(ray);
-    const shading::ShadingPoint point = shadingPointOf(*hit, ray);
+    const shading::ShadingPoint point = shadingPointOf(scene, *hit, ray);
     co_await path.shade(object.material, point);
     const SurfaceClosures closures(object, path.surfaceAnswer(), *hit, ray.direction);
     const Color albedo = closures.mix().albedo();

@@ -1,5 +1,9 @@
 #include "core/render/preparation/lights.h"
 
+#include <cmath>
+#include <numbers>
+
+#include "core/render/medium_preparation.h"
 #include "core/render/picture_aspect.h"
 #include "core/render/preparation/shapes.h"
 #include "core/render/surface_closures.h"
@@ -38,6 +42,36 @@ Color meanTexture(const Preparation& state, shading::InstanceRef texture) {
   return maximum(abs(sum)) > 0 ? sum / (side * side) : Color(1e-3f);
 }
 
+/// What the shader of a background says by direction. It stands nowhere: all but I is zero.
+SkyPicture skyPicture(Preparation& state, const scene::Emitter& emitter, shading::InstanceRef shader) {
+  SkyPicture picture{emitter.resolution, emitter.resolution / 2 + 1, {}};
+  std::vector<shading::ShadingPoint> points;
+  for (int y = 0; y < picture.height; ++y) {
+    const double theta = std::numbers::pi * y / (picture.height - 1), sine = std::sin(theta);
+    for (int x = 0; x < picture.width; ++x) {
+      const double phi = 2 * std::numbers::pi * (x + 0.5) / picture.width;
+      points.emplace_back().set(
+          lang::Global::I, Vector<World>(static_cast<float>(std::sin(phi) * sine), static_cast<float>(std::cos(theta)),
+                                         static_cast<float>(-std::cos(phi) * sine)));
+    }
+  }
+  const auto& closures = state.scene->siteClosures[shader.family];
+  bool isSound = true;
+  askSurfaces(*state.scene, shader, points, [&](const SurfaceAnswer& answer) {
+    Color sum;
+    for (std::uint32_t i = 0; i < answer.siteCount; ++i) {
+      if (closures[i] && closures[i]->kind() == ClosureKind::emission)
+        sum += answer.sites[i].weight * closures[i]->emitted(answer.sites[i].parameters, {});
+    }
+    isSound = isSound && isFinite(sum);
+    picture.texels.push_back(isFinite(sum) ? sum : Color());
+  });
+  if (!isSound)
+    state.warnings.warning(emitter.origin.location,
+                           "the shader of this background is NaN or infinite in some directions, which stay black");
+  return picture;
+}
+
 }  // namespace
 
 void bindLightTextures(Preparation& state) {
@@ -66,9 +100,12 @@ void addLights(Preparation& state) {
     const std::optional<shading::InstanceRef> texture = state.lightTextures[next++];
     scene::Emitter shown = emitter;
     if (!shown.aspect) shown.aspect = pictureAspect(state.description, emitter, *state.scene->services);
-    auto light =
-        makeLight(state.registry, shown, std::move(surface), texture ? meanTexture(state, *texture) : Color(1));
-    if (light) state.scene->lightTextures.push_back(texture);
+    const bool isSky = emitter.type == scene::EmitterType::background;
+    if (isSky && !texture) return false;
+    const SkyPicture sky = isSky ? skyPicture(state, emitter, *texture) : SkyPicture();
+    auto light = makeLight(state.registry, shown, std::move(surface),
+                           texture && !isSky ? meanTexture(state, *texture) : Color(1), isSky ? &sky : nullptr);
+    if (light) state.scene->lightTextures.push_back(isSky ? std::nullopt : texture);
     if (!light) {
       state.errors.append(light.errors());
       return false;

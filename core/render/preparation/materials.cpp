@@ -142,6 +142,8 @@ void describeMaterial(Preparation& state, PreparedObject& object) {
     checkSite(state, folded, index, object.closures[i]);
     const bool isInterior = object.closures[i] && object.closures[i]->kind() == ClosureKind::interior;
     if (isInterior && !isWeightless(folded, index)) state.scene->nestsMedia = true;
+    const bool isBody = object.closures[i] && object.closures[i]->kind() == ClosureKind::subsurface;
+    if (isBody && !isWeightless(folded, index)) state.scene->hasSubsurface = true;
   }
   if (state.errors.hasErrors()) return;
   object.passesShadows = letsShadowsPass(state, object);

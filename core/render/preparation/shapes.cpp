@@ -96,6 +96,7 @@ void addShapes(Preparation& state) {
     const scene::Shape& shape = state.description.shapes[i];
     PreparedObject& object = state.scene->objects[i];
     describeMaterial(state, object);
+    object.facesViewer = shape.facesViewer;
     auto id = addShape(state, shape, object.isBoundary);
     if (!id) state.appendAt(shape.origin.location, id.errors());
     if (id && object.passesShadows) state.builder.letShadowsPass(*id);

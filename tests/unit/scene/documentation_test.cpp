@@ -20,6 +20,7 @@ std::string sceneWith(const ObjectDoc& object, const std::string& parameter) {
                        : fmt::format("<float name=\"{}\" value=\"1\"/>", p.name);
   }
   if (object.tag == "volume") children += "<medium type=\"fog\"/>";
+  if (object.type == "background") children += "<bsdf type=\"sky\"/>";
   if (object.type == "blendphase") children += "<phase type=\"isotropic\"/><phase type=\"rayleigh\"/>";
   const std::string element =
       fmt::format("<{0} type=\"{1}\">{2}{3}</{0}>", object.tag, object.type, children, parameter);

@@ -1,0 +1,88 @@
+#include "core/scene/upgrade.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+namespace aerosol::scene {
+
+namespace {
+
+bool isUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
+bool isLower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
+
+/// A word begins at a capital behind a small letter; all capitals that follow it belong to it.
+std::string withUnderscores(const std::string& name) {
+  std::string result;
+  bool isInWord = false;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const bool begins = i > 0 && isLower(name[i - 1]) && isUpper(name[i]);
+    if (begins) result += '_';
+    isInWord = begins || (isInWord && isUpper(name[i]));
+    result += isInWord ? static_cast<char>(std::tolower(static_cast<unsigned char>(name[i]))) : name[i];
+  }
+  return result;
+}
+
+XmlAttribute* find(XmlElement& element, std::string_view name) {
+  const auto found = std::find_if(element.attributes.begin(), element.attributes.end(),
+                                  [&](const XmlAttribute& attribute) { return attribute.name == name; });
+  return found == element.attributes.end() ? nullptr : &*found;
+}
+
+bool hasValue(XmlElement& element, std::string_view name, std::string_view value) {
+  const XmlAttribute* attribute = find(element, name);
+  return attribute && attribute->value == value;
+}
+
+/// Takes `<float name="NAME"/>` out of the element and makes its value the attribute `axis` of `operation`.
+bool takeNumber(XmlElement& element, std::string_view name, const char* axis, XmlElement& operation) {
+  const auto child = std::find_if(element.children.begin(), element.children.end(), [&](XmlElement& each) {
+    return each.tag == "float" && hasValue(each, "name", name) && find(each, "value");
+  });
+  if (child == element.children.end()) return false;
+  XmlAttribute number = *find(*child, "value");
+  number.name = axis;
+  operation.offset = child->offset;
+  operation.attributes.push_back(std::move(number));
+  element.children.erase(child);
+  return true;
+}
+
+void gatherPlaceOnTexture(XmlElement& element) {
+  XmlElement move{.tag = "translate", .attributes = {}, .children = {}};
+  XmlElement scale{.tag = "scale", .attributes = {}, .children = {}};
+  const bool movesU = takeNumber(element, "uoffset", "x", move), movesV = takeNumber(element, "voffset", "y", move);
+  const bool scalesU = takeNumber(element, "uscale", "x", scale), scalesV = takeNumber(element, "vscale", "y", scale);
+  if (!movesU && !movesV && !scalesU && !scalesV) return;
+  XmlElement transform{.tag = "transform", .attributes = {}, .children = {}};
+  transform.offset = movesU || movesV ? move.offset : scale.offset;
+  transform.attributes.push_back({"name", "to_uv", transform.offset, transform.offset, false});
+  if (movesU || movesV) transform.children.push_back(std::move(move));
+  if (scalesU || scalesV) transform.children.push_back(std::move(scale));
+  element.children.push_back(std::move(transform));
+}
+
+}  // namespace
+
+void upgradeNames(XmlElement& element) {
+  if (element.tag == "lookAt") element.tag = "lookat";
+  XmlAttribute* name = find(element, "name");
+  if (name && element.tag != "default") {
+    std::string upgraded = withUnderscores(name->value);
+    name->exact = name->exact && upgraded == name->value;
+    name->value = std::move(upgraded);
+  }
+  for (XmlElement& child : element.children) upgradeNames(child);
+  if (element.tag == "bsdf" && hasValue(element, "type", "diffuse")) {
+    for (XmlElement& child : element.children) {
+      if (XmlAttribute* own = find(child, "name"); own && own->value == "diffuse_reflectance") {
+        own->value = "reflectance";
+        own->exact = false;
+      }
+    }
+  }
+  gatherPlaceOnTexture(element);
+}
+
+}  // namespace aerosol::scene
