@@ -20,10 +20,12 @@ std::string textOf(const std::vector<lang::MetadataValue>& metadata, std::string
   return entry ? formatConstant(entry->value) : "";
 }
 
+/// What is possible, and how far a slider would usually go.
 std::string rangeOf(const lang::Parameter& parameter) {
   const std::string low = textOf(parameter.metadata, "min"), high = textOf(parameter.metadata, "max");
-  if (low.empty() && high.empty()) return {};
-  if (high.empty()) return ", at least " + low;
+  const std::string usual = textOf(parameter.metadata, "UImax");
+  if (low.empty() && high.empty()) return usual.empty() ? "" : ", usually up to " + usual;
+  if (high.empty()) return ", at least " + low + (usual.empty() ? "" : ", usually up to " + usual);
   if (low.empty()) return ", at most " + high;
   return fmt::format(", {} to {}", low, high);
 }

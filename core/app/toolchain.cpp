@@ -1,5 +1,7 @@
 #include "core/app/toolchain.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "core/shading/native_plugins.h"
@@ -23,6 +25,12 @@ std::shared_ptr<jit::ObjectCache> openCache(const KernelArguments& arguments, Di
 Result<Toolchain> openToolchain(const KernelArguments& arguments, Diagnostics& warnings) {
   auto installation = findInstallation();
   if (!installation) return installation.errors();
+  for (const std::filesystem::path& folder : arguments.shaderPath) {
+    std::error_code ignored;
+    if (folder.empty() || std::filesystem::is_directory(folder, ignored)) continue;
+    warnings.warning({}, fmt::format("'{}', where shaders are to be looked for, is no folder", folder.string()),
+                     {"folders come from --shader-path and from $AEROSOL_SHADER_PATH"});
+  }
   const auto isa = arguments.isa.empty() ? std::nullopt : std::optional<std::string_view>(arguments.isa);
   const auto target = jit::chooseTarget(arguments.width, isa);
   if (!target) return target.errors();

@@ -36,6 +36,16 @@ std::string caretLine(std::string_view source, int column) {
   return pad + '^';
 }
 
+/// What files hold must not steer the terminal that shows it: every control character but tab and newline becomes '?',
+/// one for one, so that columns stay.
+std::string withoutControls(std::string text) {
+  for (char& c : text) {
+    const bool isControl = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    if (isControl && c != '\t' && c != '\n') c = '?';
+  }
+  return text;
+}
+
 /// Edit distance with transpositions (Damerau 1964, restricted form), case ignored at half price.
 int editDistance(std::string_view a, std::string_view b) {
   const std::size_t n = a.size();
@@ -63,7 +73,7 @@ std::string format(const Diagnostic& d) {
     text += fmt::format("  {}\n  {}\n", d.sourceLine, caretLine(d.sourceLine, d.location.column));
   }
   for (const std::string& note : d.notes) text += fmt::format("  note: {}\n", note);
-  return text;
+  return withoutControls(std::move(text));
 }
 
 std::string format(const Diagnostics& diagnostics) {

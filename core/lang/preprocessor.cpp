@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstring>
 #include <fstream>
@@ -132,8 +133,11 @@ fs::path preludeFile(const PreprocessRequest& request) {
 /// The folders that are searched for includes, after that of the including file.
 std::vector<std::string> searchFolders(const PreprocessRequest& request) {
   std::vector<std::string> folders;
-  for (const auto& path : request.includePaths) folders.push_back(path.empty() ? "." : path.string());
-  if (!request.prelude.empty()) folders.push_back(preludeFile(request).parent_path().string());
+  const auto add = [&](std::string folder) {
+    if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(std::move(folder));
+  };
+  for (const auto& path : request.includePaths) add(path.empty() ? "." : path.lexically_normal().string());
+  if (!request.prelude.empty()) add(preludeFile(request).parent_path().lexically_normal().string());
   return folders;
 }
 

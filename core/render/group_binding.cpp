@@ -179,7 +179,8 @@ void GroupBuilder::setValues(const scene::ShaderUse& use, Range range) {
   for (const scene::ShaderParameter& written : use.parameters) {
     scene::ShaderParameter inLayer = written;
     lang::GroupLayer* layer = layerOf(written.name, range, inLayer.name);
-    if (auto value = givenValue(*layer->program, inLayer, errors_)) layer->values.push_back(std::move(*value));
+    if (auto value = givenValue(*layer->program, inLayer, errors_, warnings_))
+      layer->values.push_back(std::move(*value));
   }
 }
 

@@ -13,9 +13,9 @@
 namespace aerosol::render {
 
 /// The value of a written parameter as one of the program's; errors at its place when the program has no such parameter
-/// or the value does not fit.
+/// or the value does not fit; a warning when it is outside of the parameter's range.
 std::optional<lang::GivenValue> givenValue(const lang::Program& program, const scene::ShaderParameter& parameter,
-                                           Diagnostics& errors);
+                                           Diagnostics& errors, Diagnostics& warnings);
 
 /// Builds the group of one shader use: its inputs become layers before it, each once, however often it is used.
 ///

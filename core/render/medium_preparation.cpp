@@ -175,6 +175,25 @@ bool mayEmit(const volume::Medium& medium) {
          std::ranges::any_of(medium.tree->ranges, [](const volume::BoundRanges& r) { return r.emissionHigh > 0; });
 }
 
+/// Shader points that a distance takes through the whole medium, with one step scale for both methods.
+struct DistanceCost {
+  double tracking = 0, marching = 0;
+  /// Marching has a bias, tracking has none: to be left, it must cost very much more.
+  bool isTrackingHopeless() const { return tracking > 64 * marching; }
+};
+
+/// A flight that meets the optical depth τ under a bound that is k times as much has k (1 − exp(−τ)) tentative
+/// collisions on average; marching ends where next to nothing is left.
+DistanceCost distanceCost(const volume::BoundStatistics& statistics, double stepSize) {
+  const double bounds = statistics.meanBound * statistics.chord;
+  const double bounded = 1 - statistics.emptyVolume - statistics.uniformVolume;
+  if (!(bounds > 0) || !std::isfinite(bounds) || !(bounded > 0)) return {};
+  const double depth = statistics.tightness > 0 ? bounds / statistics.tightness : 0;
+  const double tracking = depth > 0 ? -std::expm1(-depth) * bounds / depth : bounds;
+  const double visible = 8 / std::max(depth, 8.0);
+  return {tracking, std::max(visible * bounded * statistics.chord / stepSize, 1.0)};
+}
+
 TransmittanceMethod transmittanceMethod(scene::TransmittanceSampling wanted, bool tracks) {
   switch (wanted) {
     case scene::TransmittanceSampling::automatic:
@@ -193,7 +212,7 @@ TransmittanceMethod transmittanceMethod(scene::TransmittanceSampling wanted, boo
   return tracks ? TransmittanceMethod::ratioTracking : TransmittanceMethod::marching;
 }
 
-std::string describeDistances(const volume::Medium& medium, bool isAsked) {
+std::string describeDistances(const volume::Medium& medium, bool isAsked, const DistanceCost& cost = {}) {
   const char* const asked = isAsked ? ", as the scene asks" : "";
   switch (medium.method) {
     case DistanceMethod::closedForm:
@@ -202,6 +221,11 @@ std::string describeDistances(const volume::Medium& medium, bool isAsked) {
       return fmt::format("closed form, voxel by voxel: its coefficients are voxels times constants{}", asked);
     case DistanceMethod::marching:
       if (isAsked) return fmt::format("ray marching by {:.4g}{}", medium.stepSize, asked);
+      if (cost.isTrackingHopeless())
+        return fmt::format(
+            "ray marching by {:.4g}: under the bound of {:.4g}, null scattering would take {:.3g} points a "
+            "distance instead of {:.3g}",
+            medium.stepSize, medium.bound->value, cost.tracking, cost.marching);
       return fmt::format("ray marching by {:.4g}: no bound on its extinction is {}", medium.stepSize,
                          medium.bound ? "more than an estimate" : "known");
     case DistanceMethod::nullScattering:
@@ -242,6 +266,16 @@ void refuseWithoutBound(const PreparedScene& scene, const volume::Medium& medium
                {fmt::format("give the medium or volume a float 'density_bound', or the shader the metadata "
                             "[[ string extinction_bound = \"PARAMETER\" ]], or choose {} 'marching'",
                             instead)});
+}
+
+void warnOfLooseBound(const PreparedScene& scene, const volume::Medium& medium, const DistanceCost& cost,
+                      Diagnostics& errors) {
+  errors.warning(
+      scene.mediumLocations[medium.index],
+      fmt::format("null scattering in '{}' will take {:.3g} shader points a distance: its bound of {:.4g} is "
+                  "far above its extinction",
+                  scene.mediumNames[medium.index], cost.tracking, medium.bound->value),
+      {fmt::format("ray marching takes {:.3g}; a lower 'density_bound' makes null scattering faster", cost.marching)});
 }
 
 }  // namespace
@@ -313,7 +347,12 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   medium.mayScatter = mayScatter(medium);
   const bool isKnown = medium.bound && medium.bound->provenance != volume::Provenance::estimated;
   const bool mayChoose = wanted == DistanceSampling::automatic || wanted == DistanceSampling::analytic;
-  const bool tracks = wantsTracking || (mayChoose && isKnown);
+  // Under a bound that is far too loose, hardly anything but null collisions would ever happen.
+  const DistanceCost cost =
+      medium.tree ? distanceCost(scene.treeStatistics[medium.index], medium.stepSize) : DistanceCost{};
+  const bool isHopeless = mayChoose && isKnown && cost.isTrackingHopeless();
+  const bool tracks = wantsTracking || (mayChoose && isKnown && !isHopeless);
+  if (wantsTracking && !isAnalogue && cost.isTrackingHopeless()) warnOfLooseBound(scene, medium, cost, errors);
   medium.relaxesBound = wanted == DistanceSampling::relaxed;
   medium.integratesEmission = tracks && !isAnalogue && mayEmit(medium);
   medium.besideOthers = tracks ? DistanceMethod::nullScattering : DistanceMethod::marching;
@@ -331,7 +370,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   }
   if (errors.hasErrors()) return errors;
   scene.samplingReasons[medium.index] =
-      describeDistances(medium, wanted != DistanceSampling::automatic) + describeTransmittance(medium);
+      describeDistances(medium, wanted != DistanceSampling::automatic, cost) + describeTransmittance(medium);
   keepChoice();
   return errors;
 }

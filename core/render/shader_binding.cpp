@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "core/render/group_binding.h"
+#include "core/render/parameter_range.h"
 
 namespace aerosol::render {
 
@@ -174,7 +175,7 @@ Result<shading::BoundGroup> bindSingle(const scene::ShaderUse& use, std::string_
   if (!isOfKind(use, **program, kind, errors)) return errors;
   shading::BoundGroup bound{*program, {}};
   for (const scene::ShaderParameter& parameter : use.parameters) {
-    auto value = givenValue(**program, parameter, errors);
+    auto value = givenValue(**program, parameter, errors, warnings);
     const auto index = parameterWritten(**program, parameter.name);
     if (value && index) bound.values.push_back({*index, std::move(value->value)});
   }
@@ -209,7 +210,7 @@ lang::Constant constantOf(const scene::Value& value) {
 }
 
 std::optional<lang::GivenValue> givenValue(const lang::Program& program, const scene::ShaderParameter& parameter,
-                                           Diagnostics& errors) {
+                                           Diagnostics& errors, Diagnostics& warnings) {
   const std::optional<std::uint32_t> index = parameterWritten(program, parameter.name);
   if (!index) {
     errors.add(unknownParameter(program, parameter));
@@ -229,7 +230,9 @@ std::optional<lang::GivenValue> givenValue(const lang::Program& program, const s
                              lang::toString(type), scene::name(scene::typeOf(parameter.value))));
     return std::nullopt;
   }
-  return lang::GivenValue{program.parameters[*index].name, type, shaderValue(*value), parameter.location};
+  lang::GivenValue given{program.parameters[*index].name, type, shaderValue(*value), parameter.location};
+  warnOutsideRange(program.parameters[*index], given.value, program.name, parameter.valueLocation, warnings);
+  return given;
 }
 
 Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,

@@ -60,7 +60,9 @@ void Attributes::add(const XmlAttribute& xml, bool substitute) {
     std::optional<std::string> value = context_.definitions.substitute(xml.value, error);
     if (!value) {
       context_.reporter.error(context_.source.at(xml.valueOffset + (xml.exact ? error.offset : 0)), error.message,
-                              {fmt::format("defined here: {}", join(context_.definitions.names()))});
+                              {context_.definitions.names().empty()
+                                   ? "nothing is defined: give -D NAME=VALUE, or <default name=\"NAME\" value=\"…\"/>"
+                                   : fmt::format("defined here: {}", join(context_.definitions.names()))});
       valid_ = false;
       return;
     }

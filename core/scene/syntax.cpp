@@ -93,8 +93,10 @@ class TreeReader {
   void reportUnused() {
     if (incomplete_) return;
     for (const std::string& name : definitions_.unusedFromCommandLine()) {
+      std::vector<std::string> notes = alternatives(name, definedNames(name), "the scene defines");
+      if (name == "frame") notes.push_back("--frames defines it: without it, all frames are the same picture");
       reporter_.error({"command line", 0, 0}, fmt::format("-D {0}: the scene never uses '${0}'", name),
-                      alternatives(name, definedNames(name), "the scene defines"));
+                      std::move(notes));
     }
     if (reporter_.failed()) return;
     for (const auto& [name, location] : definitions_.unusedDefaults()) {

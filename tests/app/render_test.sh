@@ -73,3 +73,24 @@ expect 1 render mist.xml --quiet
 said err "unknown shader 'mist'"
 AEROSOL_SHADER_PATH=/nowhere:$work/shaders expect 0 render mist.xml --quiet
 expect 0 render mist.xml --quiet --shader-path shaders
+expect 0 render mist.xml --quiet --shader-path shaders --shader-path nowhere
+said err "'nowhere', where shaders are to be looked for, is no folder"
+
+echo "-- values beyond a parameter's range are used, with a warning"
+sed 's/float density = 4/float density = 4 [[ float min = 0, float max = 6 ]]/; s/volume fog/volume ranged/' "$input/fog.osl" >ranged.osl
+sed 's/type="fog"/type="ranged"/' "$input/fog.xml" >ranged.xml
+expect 0 render ranged.xml -o a.exr --spp 1 --quiet --set fog.density=7
+said err "parameter 'density' of shader 'ranged' is 7; the shader is made for values from 0 to 6"
+expect 0 render ranged.xml -o a.exr --spp 1 --quiet --set fog.density=4
+silent err
+
+echo "-- a bound that is far too loose does not make a render endless"
+sed 's/float sigma =/float x = noise(1000 * P), sigma = 1e8 * max(x * x - x - 0.1, 0) +/; s/volume fog/volume loose/' "$input/fog.osl" >loose.osl
+sed 's/type="fog"/type="loose"/; /<medium/s/<float.*\/><\/medium>/<\/medium>/' "$input/fog.xml" >loose.xml
+expect 0 render loose.xml -o a.exr --spp 1 --crop 14,10,4,4 --stats
+said err "ray marching by"
+expect 0 check loose.xml
+sed 's/<\/medium>/<string name="distance" value="null"\/><\/medium>/' loose.xml >forced.xml
+expect 0 check forced.xml
+said err "will take"
+rm ranged.osl ranged.xml loose.osl loose.xml forced.xml a.exr

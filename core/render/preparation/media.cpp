@@ -240,7 +240,10 @@ void decideMedia(Preparation& state) {
     for (int i = 1; sideBySide && i < processors; ++i) threads.emplace_back(work);
     work();
   }
-  for (const Diagnostics& each : errors) state.errors.append(each);
+  for (const Diagnostics& each : errors) {
+    for (const Diagnostic& found : each.entries())
+      (found.severity == Severity::error ? state.errors : state.warnings).add(found);
+  }
 }
 
 }  // namespace aerosol::render

@@ -111,8 +111,9 @@ class Builder {
   }
 
   /// Mean length of a random chord: four times the volume over the surface (Cauchy). World units.
-  double chord(int level) const {
-    const double n = cellsPerSide(level);
+  double chord(int level) const { return chordOf(cellsPerSide(level)); }
+
+  double chordOf(double n) const {
     const double a = sides_[0] / n, b = sides_[1] / n, c = sides_[2] / n;
     return 2 * a * b * c / (a * b + b * c + c * a);
   }
@@ -255,6 +256,8 @@ class Builder {
     writeParts(tree, 0, 0);
     writeOutside(tree);
     statistics_.bytes = tree.nodes.size() * bytesPerNode + tree.uniform.size() * sizeof(Coefficients);
+    statistics_.meanBound = workingIntegral_;
+    statistics_.chord = chordOf(1);
     statistics_.tightness = samplesIntegral_ > 0 ? workingIntegral_ / samplesIntegral_ : 0;
     statistics_.workingShare = provenIntegral_ > 0 ? workingIntegral_ / provenIntegral_ : 0;
     return tree;

@@ -63,6 +63,8 @@ struct BoundStatistics {
   double emptyVolume = 0, uniformVolume = 0;                                      ///< Parts of the domain.
   double tightness = 0;     ///< Working bound over the mean of samples, both integrated over the bounded leaves.
   double workingShare = 0;  ///< Working over proven bound, likewise.
+  double meanBound = 0;     ///< Working bound, over all of the domain; 0 outside of the bounded leaves.
+  double chord = 0;         ///< Mean length of a random ray in the domain, world units.
   double seconds = 0;
 };
 
