@@ -57,6 +57,7 @@ struct RenderArguments {
   bool resume = false;
   double targetError = 0;               ///< Relative, of the image; 0: all samples are rendered.
   double timeLimit = 0;                 ///< Seconds; 0: none.
+  bool adaptive = false;                ///< More samples where the error is; their mean is what is asked for.
   std::vector<scene::AovRequest> aovs;  ///< Beside those that the scene asks for.
   std::vector<std::string> without;     ///< Effects forced off.
   int threads = 0;                      ///< 0: one a processor.

@@ -79,6 +79,9 @@ void addPartOptions(CLI::App& app, RenderArguments& render) {
     render.timeLimit = *seconds;
   };
   addParsed(app, "--time", "TIME", time, "Render as many samples as this time allows, such as 60s or 5m");
+  app.add_flag("--adaptive", render.adaptive,
+               "Take more samples where the error is, and fewer elsewhere: a\n"
+               "small render finds out first. --spp is their mean");
   app.add_flag("--resume", render.resume, "Go on where the last checkpoint is; the image is the same");
 }
 

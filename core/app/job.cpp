@@ -49,6 +49,7 @@ std::string identityOf(const RenderArguments& arguments, const scene::SceneDescr
   hash.add(static_cast<std::uint64_t>(arguments.noEquiangular));
   hash.add(arguments.distance ? 1 + static_cast<std::uint64_t>(*arguments.distance) : 0);
   hash.add(fmt::format("{}", description.integrator.stepScale));
+  hash.add(static_cast<std::uint64_t>(arguments.adaptive));
   return hash.hex();
 }
 

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <set>
 #include <thread>
@@ -23,6 +24,7 @@
 #include "core/app/scene_session.h"
 #include "core/app/shader_report.h"
 #include "core/app/statistics_report.h"
+#include "core/app/step_accuracy.h"
 #include "core/render/film_archive.h"
 #include "core/render/renderer.h"
 
@@ -58,8 +60,9 @@ class Render {
     if (!accept(checkOutputPlaces(outputs_)) || !prepare() || !chooseSamples()) return ExitCode::badInput;
     isDone_ = arguments_.resume && isThere();
     if (isDone_) return ExitCode::success;
-    const bool isReady = accept(tryOutputs(outputs_, session_.description().film)) && resume();
-    return isReady ? ExitCode::success : ExitCode::badInput;
+    const bool isReady = accept(tryOutputs(outputs_, session_.description().film));
+    if (isReady && arguments_.adaptive) makeMap();
+    return isReady && resume() ? ExitCode::success : ExitCode::badInput;
   }
 
   bool isInterrupted() const { return report_.interrupted; }
@@ -80,6 +83,7 @@ class Render {
     options.threads = session_.threadCount();
     options.firstSample = static_cast<std::uint32_t>(range_.first);
     options.endSample = static_cast<std::uint32_t>(range_.end);
+    options.map = map_ ? &*map_ : nullptr;
     options.profile = arguments_.explainCost || !arguments_.statisticsFile.empty();
     const auto start = Clock::now();
     if (arguments_.checkpointSeconds > 0) {
@@ -102,8 +106,7 @@ class Render {
       display.finish();
     }
     // A signal that came when all was done interrupted nothing.
-    const auto samples = static_cast<std::uint64_t>(range_.end - range_.first) * film_->area().pixelCount();
-    if (film_->sampleCount() + film_->droppedCount() == samples) report_.interrupted = false;
+    if (film_->sampleCount() + film_->droppedCount() == samplesAsked()) report_.interrupted = false;
     keepInterrupted();
   }
 
@@ -115,8 +118,45 @@ class Render {
 
   bool prepare() {
     if (!session_.load() || !session_.prepare()) return false;
+    const bool mayRefine = arguments_.targetError > 0 && !arguments_.stepScale;
+    if (mayRefine && marches(session_.scene()) && !refineSteps()) return false;
     job_ = describeJob(arguments_, session_.description(), session_.scene());
     return accept(applyCrop(arguments_.crop, session_.description().film));
+  }
+
+  /// Where marching is worse than the error that is asked for, more samples would not help.
+  bool refineSteps() {
+    watch_.startRendering();
+    const StepAccuracy found = findStepScale(session_, arguments_.targetError, stop_);
+    float& stepScale = session_.description().integrator.stepScale;
+    if (found.stepScale == stepScale || stop_) return true;
+    if (!arguments_.quiet) {
+      console_.note(fmt::format("steps of marching x {:.4g}: their bias is {} of the image, and would be {}\n",
+                                found.stepScale / stepScale, formatError(found.after), formatError(found.before)));
+    }
+    stepScale = found.stepScale;
+    return session_.prepareAgain();
+  }
+
+  /// Which tiles take how many samples, from a render of the same pixels with numbers of its own. It depends on the
+  /// scene and the number of samples alone, so that a render which goes on takes the same.
+  void makeMap() {
+    render::Film pilot(cropOf(session_.description().film));
+    render::RenderOptions options;
+    options.threads = session_.threadCount();
+    options.endSample = render::pilotSamples(arguments_.targetError > 0 || arguments_.timeLimit > 0
+                                                 ? std::numeric_limits<std::uint32_t>::max()
+                                                 : static_cast<std::uint32_t>(range_.end));
+    options.seed = session_.scene().seed ^ 0x9e3779b97f4a7c15u;
+    options.stop = &stop_;
+    watch_.startRendering();
+    render::render(session_.scene(), session_.integrator(), pilot, options);
+    map_.emplace(render::mapFromPilot(pilot));
+  }
+
+  std::uint64_t samplesAsked() const {
+    const auto first = static_cast<std::uint32_t>(range_.first), end = static_cast<std::uint32_t>(range_.end);
+    return map_ ? map_->total(end) - map_->total(first) : std::uint64_t{end - first} * film_->area().pixelCount();
   }
 
   bool keepsSums() const { return arguments_.keepSums || arguments_.samples; }
@@ -127,6 +167,10 @@ class Render {
     const bool hasGoal = arguments_.targetError > 0 || arguments_.timeLimit > 0;
     if (hasGoal && arguments_.samples) {
       errors.error({}, "--samples says how many samples there are; --target-error and --time find out",
+                   {"leave one of them out"});
+    }
+    if (arguments_.adaptive && arguments_.samples) {
+      errors.error({}, "--samples takes the same samples of each pixel; --adaptive does not",
                    {"leave one of them out"});
     }
     if (!arguments_.aovs.empty() && std::none_of(outputs_.begin(), outputs_.end(), isExr)) {
@@ -217,11 +261,13 @@ class Render {
     return {};
   }
 
-  static bool samplesLieWithin(const render::Film& film, const SampleRange& range) {
-    const auto first = static_cast<std::uint64_t>(range.first), end = static_cast<std::uint64_t>(range.end);
+  bool samplesLieWithin(const render::Film& film, const SampleRange& range) const {
+    const auto first = static_cast<std::uint64_t>(range.first);
     for (int y = film.area().y0; y < film.area().y1; ++y) {
       for (int x = film.area().x0; x < film.area().x1; ++x) {
         const auto ranges = film.pixel(x, y).ranges();
+        const auto asked = static_cast<std::uint32_t>(range.end);
+        const std::uint64_t end = map_ ? map_->countAt(x, y, asked) : asked;
         if (!ranges.empty() && (ranges.front().first < first || ranges.back().end > end)) return false;
       }
     }
@@ -298,6 +344,7 @@ class Render {
         counts);
     const auto ofJob = jobMetadata(job_);
     picture.metadata.insert(picture.metadata.end(), ofJob.begin(), ofJob.end());
+    if (map_) picture.metadata.push_back({"aerosol:adaptive", std::int32_t{1}});
     picture.layers = makeLayers(*film_);
     if (keepsSums()) picture.attachment = render::encodeFilm(*film_);
     const bool pointsAreSaved = accept(session_.scene().services->finish());
@@ -348,6 +395,7 @@ class Render {
   const std::atomic<bool>& stop_;
   SceneSession session_;
   std::vector<std::string> outputs_;
+  std::optional<render::SampleMap> map_;  ///< Of an adaptive render.
   std::unique_ptr<render::Film> film_;
   render::RenderReport report_;
   Job job_;

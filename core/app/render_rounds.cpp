@@ -52,9 +52,11 @@ GoalReport renderTowards(const Goal& goal, const render::PreparedScene& scene, c
     if (round.interrupted || count == goal.maximum) break;
     if (goal.error > 0 && count >= firstDecision && report.error <= goal.error) break;
     if (goal.seconds > 0) {
-      const auto pixels = static_cast<double>(film.area().pixelCount());
       const double perSample = added > 0 ? roundSeconds / static_cast<double>(added) : 0;
-      const double nextRound = perSample * pixels * (std::min(render::nextDecision(count), goal.maximum) - count);
+      const std::uint32_t then = std::min(render::nextDecision(count), goal.maximum);
+      const std::uint64_t coming = options.map ? options.map->total(then) - options.map->total(count)
+                                               : film.area().pixelCount() * (then - count);
+      const double nextRound = perSample * static_cast<double>(coming);
       if (elapsed() + nextRound > goal.seconds) break;
     }
   }

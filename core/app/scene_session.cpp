@@ -85,6 +85,12 @@ bool SceneSession::prepare() {
   return scene_ != nullptr;
 }
 
+bool SceneSession::prepareAgain() {
+  auto scene = prepareVariant(*description_);
+  if (scene) scene_ = std::move(scene);
+  return scene_ != nullptr;
+}
+
 Diagnostics SceneSession::check() {
   scene::Reading reading =
       scene::read(arguments_.scene, {arguments_.defines, arguments_.overrides, registeredTypes(registry_)}, warnings_);

@@ -25,6 +25,8 @@ class SceneSession {
   bool load();
   /// Compiles shaders and builds all that rendering needs.
   bool prepare();
+  /// Prepares again, as `description()` has become; what is to be said of it has been said.
+  bool prepareAgain();
   /// In place of the two: everything that is wrong with the scene, told by nobody yet, like its warnings.
   Diagnostics check();
   /// The same scene with another description; null after errors. Warnings are those of `prepare` and not repeated.

@@ -99,11 +99,13 @@ Diagnostics reportInvalidCoefficients(const render::PreparedScene& scene) {
   Diagnostics warnings;
   for (const auto& [medium, invalid] : scene.messages->invalid()) {
     const Point<World> p = invalid.point;
+    const std::string place = invalid.isEverywhere ? "everywhere"
+                                                   : fmt::format("first at {}, world point ({:.6g}, {:.6g}, {:.6g})",
+                                                                 describe(invalid.path), p.x, p.y, p.z);
     warnings.warning(scene.mediumLocations[medium],
                      fmt::format("volume shader '{}' gave {} that no medium can have, taken as 0",
                                  scene.mediumNames[medium], formatCount(invalid.count, "result")),
-                     {fmt::format("first at {}, world point ({:.6g}, {:.6g}, {:.6g}): {}", describe(invalid.path), p.x,
-                                  p.y, p.z, describeUnsound(invalid.given))});
+                     {fmt::format("{}: {}", place, describeUnsound(invalid.given))});
   }
   return warnings;
 }

@@ -44,12 +44,11 @@ std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& sc
   if (!family.kernel(shading::Variant::coefficients).interface().isConstant()) return {};
   if (family.instances[shader.index].motion && shading::usesPlaceBeyondP(*family.program)) return {};
   const Question question{&medium, volume::Quantity::coefficients, {}, {}, nullptr};
-  return askOnce(scene, question,
-                 [&](PathContext& path, const WorkerStatistics& statistics) -> std::optional<volume::Coefficients> {
-                   if (statistics.invalidCoefficients == 0) return path.answer(0);
-                   scene.messages->forgetInvalid(medium);  // The render will say where.
-                   return {};
-                 });
+  return askOnce(scene, question, [&](PathContext& path, const WorkerStatistics& statistics) {
+    // What is no number has become zero; the render will not ask again.
+    if (statistics.invalidCoefficients > 0) scene.messages->markInvalidEverywhere(medium);
+    return path.answer(0);
+  });
 }
 
 SurfaceAnswer askSurface(const PreparedScene& scene, shading::InstanceRef shader, const shading::ShadingPoint& point) {

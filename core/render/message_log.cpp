@@ -29,7 +29,7 @@ void MessageLog::reportInvalid(const volume::Medium& medium, Point<World> point,
   Invalid& entry = invalid_[medium.index];
   ++entry.count;
   if (entry.count == 1 || std::tie(path, question) < std::tie(entry.path, entry.question)) {
-    entry = {path, question, point, given, entry.count};
+    entry = {path, question, point, given, entry.count, false};
   }
 }
 
@@ -46,9 +46,9 @@ void MessageLog::reportInvalidSurface(std::uint32_t object, std::uint32_t site, 
   }
 }
 
-void MessageLog::forgetInvalid(const volume::Medium& medium) {
+void MessageLog::markInvalidEverywhere(const volume::Medium& medium) {
   const std::lock_guard lock(mutex_);
-  invalid_.erase(medium.index);
+  invalid_.at(medium.index).isEverywhere = true;
 }
 
 std::vector<Message> MessageLog::sorted() const {

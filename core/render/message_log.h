@@ -39,10 +39,10 @@ class MessageLog {
   /// A shader gave NaN, infinite or negative coefficients. Kept once a medium: for the first (pixel, sample, question).
   void reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
                      const PathId& path, std::uint32_t question = 0);
+  /// The reported medium is the same everywhere.
+  void markInvalidEverywhere(const volume::Medium& medium);
   /// A surface shader gave closures with weights or parameters that are NaN or infinite. Kept once an object.
   void reportInvalidSurface(std::uint32_t object, std::uint32_t site, Point<World> point, const PathId& path);
-  /// Takes back what was reported about a medium before the render.
-  void forgetInvalid(const volume::Medium& medium);
 
   struct Invalid {
     PathId path;
@@ -50,6 +50,7 @@ class MessageLog {
     Point<World> point;
     volume::Coefficients given;
     std::uint64_t count = 0;
+    bool isEverywhere = false;  ///< Of a constant medium: asked once, when the scene was prepared.
   };
 
   struct InvalidSurface {

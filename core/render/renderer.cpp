@@ -114,7 +114,7 @@ class Profiler {
 RenderReport render(const PreparedScene& scene, const Integrator& integrator, Film& film,
                     const RenderOptions& options) {
   const Clock::time_point start = Clock::now();
-  TileSource source(film, options.firstSample, options.endSample);
+  TileSource source(film, options.firstSample, options.endSample, options.map);
   std::vector<std::mutex> tileLocks(source.tiles().size());
   std::atomic<std::uint64_t> samplesDone{0};
   const SharedWork shared{scene, integrator, options, source, film, tileLocks, samplesDone};
@@ -125,8 +125,7 @@ RenderReport render(const PreparedScene& scene, const Integrator& integrator, Fi
   std::mutex mutex;
   std::condition_variable finished;
   int running = threadCount;
-  const double total =
-      static_cast<double>(options.endSample - options.firstSample) * static_cast<double>(film.area().pixelCount());
+  const auto total = static_cast<double>(source.totalSamples());
   const auto tellProgress = [&](double error) {
     if (!options.progress) return;
     const std::uint64_t done = samplesDone;

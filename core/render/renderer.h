@@ -11,6 +11,7 @@
 #include "core/render/film.h"
 #include "core/render/integrator.h"
 #include "core/render/prepared_scene.h"
+#include "core/render/sample_map.h"
 #include "core/render/statistics.h"
 
 namespace aerosol::render {
@@ -28,6 +29,7 @@ struct RenderOptions {
   int threads = 0;                                ///< 0: one a processor.
   std::uint32_t firstSample = 0;                  ///< Of every pixel.
   std::uint32_t endSample = 16;                   ///< Behind the last.
+  const SampleMap* map = nullptr;                 ///< What tiles take instead, of the film's area; null: the same.
   int pathsInFlight = 512;                        ///< Of one thread.
   int batchSize = 1024;                           ///< Points of one kernel call, at most.
   std::function<void(const Progress&)> progress;  ///< May be empty.

@@ -4,13 +4,11 @@
 
 namespace aerosol::render {
 
-TileSource::TileSource(const Film& film, std::uint32_t firstSample, std::uint32_t endSample)
-    : firstSample_(firstSample), endSample_(endSample) {
-  const PixelRect& area = film.area();
-  for (int y = area.y0; y < area.y1; y += tileSize) {
-    for (int x = area.x0; x < area.x1; x += tileSize) {
-      tiles_.push_back({x, y, std::min(x + tileSize, area.x1), std::min(y + tileSize, area.y1)});
-    }
+TileSource::TileSource(const Film& film, std::uint32_t firstSample, std::uint32_t endSample, const SampleMap* map)
+    : firstSample_(firstSample), endSample_(endSample), tiles_(SampleMap::tilesOf(film.area())), map_(map) {
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    const std::uint64_t samples = countIn(tiles_[i], endSample_) - countIn(tiles_[i], firstSample_);
+    totalSamples_ += samples * tiles_[i].pixelCount();
   }
   findPresent(film);
   std::uint32_t size = 1;
@@ -31,8 +29,8 @@ void TileSource::findPresent(const Film& film) {
   const auto add = [&](const PixelRect& part) {
     present_.push_back(film.pixel(part.x0, part.y0).ranges());
     for (const PixelSum::Range& range : present_.back()) {
-      const std::uint64_t first = std::max<std::uint64_t>(range.first, firstSample_);
-      const std::uint64_t end = std::min<std::uint64_t>(range.end, endSample_);
+      const std::uint64_t first = std::max<std::uint64_t>(range.first, countIn(part, firstSample_));
+      const std::uint64_t end = std::min<std::uint64_t>(range.end, countIn(part, endSample_));
       if (first < end) presentSamples_ += (end - first) * part.pixelCount();
     }
     parts.push_back(part);
@@ -55,21 +53,25 @@ void TileSource::findPresent(const Film& film) {
 }
 
 void TileSource::queueMissing(std::size_t tile, const Pass& pass) {
+  // The last block first. A tile that takes more samples than others may reach over the ends of blocks in one pass.
   const auto add = [&](std::uint64_t first, std::uint64_t end) {
-    if (first < end) {
-      queue_.push_back({tile, tiles_[tile], static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)});
+    while (first < end) {
+      const std::uint64_t begin = std::max(first, (end - 1) / PixelSum::blockSize * PixelSum::blockSize);
+      queue_.push_back({tile, tiles_[tile], static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)});
+      end = begin;
     }
   };
-  std::uint64_t end = pass.end;
+  const std::uint64_t passFirst = countIn(tiles_[tile], pass.first);
+  std::uint64_t end = countIn(tiles_[tile], pass.end);
   if (!present_.empty()) {
     for (auto range = present_[tile].rbegin(); range != present_[tile].rend(); ++range) {
       if (range->first >= end) continue;
-      add(std::max<std::uint64_t>(pass.first, range->end), end);
+      add(std::max<std::uint64_t>(passFirst, range->end), end);
       end = range->first;
-      if (end <= pass.first) return;
+      if (end <= passFirst) return;
     }
   }
-  add(pass.first, end);
+  add(passFirst, end);
 }
 
 std::optional<TileWork> TileSource::next() {

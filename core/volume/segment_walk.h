@@ -49,7 +49,7 @@ class SegmentWalk {
   /// Sum of the media's rates of tentative collisions.
   float rate() const { return rate_; }
   /// Distance of the places at which emission is looked for; infinite where there is none, and where collisions, which
-  /// find it as well, come more often.
+  /// find it as well, come so often that they find as much although they are not as even.
   float emissionStep() const { return emissionStep_; }
   /// Sum of the coefficients that are the same on the whole stretch.
   const CoefficientSum& known() const { return known_; }
@@ -116,7 +116,7 @@ class SegmentWalk {
       }
     }
     if (!(rate_ > negligibleExtinction)) rate_ = 0;
-    if (!(rate_ * emissionStep_ < 1)) emissionStep_ = std::numeric_limits<float>::infinity();
+    if (!(rate_ * emissionStep_ < 4)) emissionStep_ = std::numeric_limits<float>::infinity();
   }
 
   void lookForEmission(const Medium& medium, const BoundWalk& walk) {

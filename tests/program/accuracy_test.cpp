@@ -1,5 +1,10 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 
 #include "core/image/image.h"
 #include "tests/support/program.h"
@@ -14,20 +19,25 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* wispsScene = R"(<scene version="3.0.0">
+std::string sceneOf(int fov, int width, int height, const std::string& content) {
+  return fmt::format(R"(<scene version="3.0.0">
   <sensor type="perspective">
-    <float name="fov" value="30"/>
+    <float name="fov" value="{}"/>
     <transform name="to_world"><lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform>
-    <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="24"/></film>
+    <film type="hdrfilm"><integer name="width" value="{}"/><integer name="height" value="{}"/></film>
     <sampler type="sobol"><integer name="sample_count" value="16"/></sampler>
   </sensor>
-  <emitter type="constant"/>
-  <volume type="sphere"><medium type="wisps"/></volume>
-</scene>)";
+  {}
+</scene>)",
+                     fov, width, height, content);
+}
 
 class Accuracy : public testing::Test {
  protected:
-  Accuracy() { folder_.write("wisps.xml", wispsScene); }
+  Accuracy() {
+    folder_.write("wisps.xml", sceneOf(30, 32, 24, R"(<emitter type="constant"/>
+  <volume type="sphere"><medium type="wisps"/></volume>)"));
+  }
 
   Outcome run(const std::vector<std::string>& words, int expected = 0) const {
     Outcome outcome = folder_.run(words);
@@ -59,6 +69,84 @@ TEST_F(Accuracy, ATargetErrorIsReachedAndItsCountGivesTheSameBits) {
   const Outcome capped = run({"render", "wisps.xml", "-o", "c.exr", "--target-error", "0.001%", "--spp", "8"});
   EXPECT_THAT(capped.err, HasSubstr("0.001% is not reached"));
   EXPECT_EQ(samplesOf("c.exr"), 8);
+}
+
+double numberOf(const image::ImageBuffer& picture, const std::string& key) {
+  for (const image::Metadata& entry : picture.metadata) {
+    if (entry.key != key) continue;
+    if (const auto* number = std::get_if<double>(&entry.value)) return *number;
+    if (const auto* whole = std::get_if<std::int32_t>(&entry.value)) return *whole;
+  }
+  return -1;
+}
+
+TEST_F(Accuracy, AdaptiveSamplesGoWhereTheErrorIs) {
+  folder_.write("small.xml",
+                sceneOf(60, 96, 64, R"(<emitter type="directional"><rgb name="irradiance" value="20"/></emitter>
+  <volume type="sphere"><transform name="to_world"><scale value="0.6"/></transform>
+    <medium type="homogeneous"><rgb name="sigma_t" value="4"/><rgb name="albedo" value="0.9"/></medium></volume>)"));
+  const auto rmse = [&](const std::string& name) {
+    const image::ImageBuffer image = picture(name);
+    double sum = 0;
+    for (const float error : image.layers.at(0).pixels) {
+      sum += static_cast<double>(error) * static_cast<double>(error);
+    }
+    return std::sqrt(sum);
+  };
+  const auto render = [&](const std::string& name, std::vector<std::string> more) {
+    std::vector<std::string> words{"render", "small.xml", "-o", name, "-q", "--aov", "error"};
+    words.insert(words.end(), more.begin(), more.end());
+    run(words);
+  };
+  render("even.exr", {"--spp", "64"});
+  render("adaptive.exr", {"--spp", "64", "--adaptive"});
+  const image::ImageBuffer adaptive = picture("adaptive.exr");
+  EXPECT_EQ(numberOf(adaptive, "aerosol:adaptive"), 1);
+  EXPECT_NEAR(numberOf(adaptive, "aerosol:spp"), 64, 8);
+  EXPECT_LE(numberOf(adaptive, "aerosol:sppMinimum"), 32);
+  // The ball covers a twentieth of the picture: many more samples are there, with half the error or less.
+  EXPECT_LT(rmse("adaptive.exr"), 0.6 * rmse("even.exr"));
+  render("again.exr", {"--spp", "64", "--adaptive", "--threads", "1", "--width", "4"});
+  EXPECT_EQ(picture("again.exr").pixels, adaptive.pixels);
+  EXPECT_NE(picture("even.exr").pixels, adaptive.pixels);
+}
+
+TEST_F(Accuracy, ATargetErrorMakesTheStepsFineEnough) {
+  folder_.write("coarse.xml", sceneOf(30, 24, 16, R"(<emitter type="constant"/>
+  <volume type="sphere"><medium type="wisps"><rgb name="albedo" value="0"/>
+    <float name="density" value="30"/><string name="distance" value="marching"/><float name="step_size" value="0.5"/>
+  </medium></volume>)"));
+  const Outcome outcome = run({"render", "coarse.xml", "-o", "a.exr", "--target-error", "2%"});
+  EXPECT_THAT(outcome.err,
+              ContainsRegex("steps of marching x 0\\.[0-9]+: their bias is [0-9.]+% of the image, and would"));
+  const double scale = numberOf(picture("a.exr"), "aerosol:stepScale");
+  EXPECT_LT(scale, 0.6);
+  const int samples = samplesOf("a.exr");
+  run({"render", "coarse.xml", "-o", "b.exr", "-q", "--spp", std::to_string(samples), "--step-scale",
+       std::to_string(scale)});
+  EXPECT_EQ(picture("a.exr").pixels, picture("b.exr").pixels);
+  run({"render", "coarse.xml", "-o", "exact.exr", "-q", "--spp", "512", "--distance", "null"});
+  run({"render", "coarse.xml", "-o", "coarse.exr", "-q", "--spp", "512"});
+  run({"render", "coarse.xml", "-o", "fine.exr", "-q", "--spp", "512", "--step-scale", std::to_string(scale)});
+  const auto mean = [&](const std::string& name) {
+    const std::vector<float> pixels = picture(name).pixels;
+    return std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(pixels.size());
+  };
+  EXPECT_GT(std::fabs(mean("coarse.exr") / mean("exact.exr") - 1), 0.02);
+  EXPECT_LT(std::fabs(mean("fine.exr") / mean("exact.exr") - 1), 0.02);
+  // What the scene asks for by hand is kept.
+  EXPECT_THAT(run({"render", "coarse.xml", "-o", "c.exr", "--target-error", "20%", "--step-scale", "1"}).err,
+              Not(HasSubstr("steps of marching")));
+}
+
+TEST_F(Accuracy, AnAdaptiveRenderIsCarriedOn) {
+  run({"render", "wisps.xml", "-o", "whole.exr", "-q", "--spp", "600", "--adaptive"});
+  folder_.run({"render", "wisps.xml", "-o", "a.exr", "-q", "--spp", "600", "--adaptive", "--checkpoint", "0.05"},
+              700ms);
+  run({"render", "wisps.xml", "-o", "a.exr", "-q", "--spp", "600", "--adaptive", "--checkpoint", "0.05", "--resume"});
+  EXPECT_EQ(picture("a.exr").pixels, picture("whole.exr").pixels);
+  EXPECT_THAT(run({"render", "wisps.xml", "-o", "b.exr", "--adaptive", "--samples", "0:8"}, 2).err,
+              HasSubstr("--adaptive does not"));
 }
 
 TEST_F(Accuracy, ATimeIsKept) {

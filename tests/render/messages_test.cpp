@@ -162,17 +162,18 @@ TEST_P(InvalidResults, AreReportedOnceWithTheFirstPlaceAndTheRenderCompletes) {
 INSTANTIATE_TEST_SUITE_P(All, InvalidResults, ::testing::Values("nan", "infinite", "negative", "colour", "anisotropy"),
                          [](const auto& info) { return std::string(info.param); });
 
-/// NaN from a shader that reads nothing: evaluated once when the scene is prepared, and yet reported where it matters.
-TEST(InvalidConstants, AreReportedFromTheRender) {
-  const TestScene scene = loadScene("", small, std::string(sky) + R"(<volume type="sphere"><medium type="homogeneous">
-      <rgb name="sigma_t" value="-1"/></medium></volume>)");
+/// What no medium can have, from a shader that reads nothing: it is asked once, when the scene is prepared.
+TEST(InvalidConstants, AreZeroAndReportedOfEverywhere) {
+  const TestScene scene = loadScene("", small, std::string(sky) + R"(<volume type="sphere"><medium type="osl">
+      <source>volume below() { Ci = anisotropic_vdf(color(0.5), color(-1), 0); }</source></medium></volume>)");
   ASSERT_TRUE(scene.scene());
   const auto film = scene.render(2);
   const auto invalid = scene.scene()->messages->invalid();
   ASSERT_EQ(invalid.size(), 1u);
-  const Point<World> p = invalid.begin()->second.point;
-  EXPECT_NEAR(std::sqrt(p.x * p.x + p.y * p.y + p.z * p.z), 0.5, 0.5001) << "in the volume";
-  EXPECT_NE(p, (Point<World>())) << "not from the preparation";
+  EXPECT_TRUE(invalid.begin()->second.isEverywhere);
+  EXPECT_LT(minimum(invalid.begin()->second.given.sigmaT), 0);
+  ASSERT_TRUE(scene.scene()->media[0].constant);
+  EXPECT_TRUE(isBlack(scene.scene()->media[0].constant->sigmaT));
 }
 
 class InvalidClosures : public ::testing::TestWithParam<const char*> {};

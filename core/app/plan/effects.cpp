@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "core/app/plan/names.h"
 #include "core/app/quantity.h"
 
 namespace aerosol::app {
@@ -16,25 +17,6 @@ namespace {
 
 using render::WorkerStatistics;
 using volume::DistanceMethod;
-
-std::string at(const SourceLocation& place) {
-  return place.file.empty() ? std::string() : fmt::format(" ({}:{}:{})", place.file, place.line, place.column);
-}
-
-/// "cumulus (a.xml:3:5), wisps (a.xml:9:5) and 3 more".
-class Names {
- public:
-  void add(const std::string& name, const SourceLocation& place) {
-    if (++count_ <= shown) text_ += fmt::format("{}{}{}", count_ == 1 ? "" : ", ", name, at(place));
-  }
-  std::size_t count() const { return count_; }
-  std::string text() const { return count_ > shown ? fmt::format("{} and {} more", text_, count_ - shown) : text_; }
-
- private:
-  static constexpr std::size_t shown = 2;
-  std::size_t count_ = 0;
-  std::string text_;
-};
 
 /// Of the time in which threads were seen.
 double shareOf(const WorkerStatistics& s, std::initializer_list<Phase> phases) {
@@ -98,6 +80,7 @@ class EffectList {
 
   std::vector<Effect> run() {
     addCamera();
+    addMotionEffects(description_, scene_, effects_);
     addLights();
     addSurfaces();
     addVolumes();
@@ -129,24 +112,12 @@ class EffectList {
   }
 
   void addLights() {
-    Names points, suns, constants, areas;
-    for (const scene::Emitter& emitter : description_.emitters) {
-      if (emitter.type == scene::EmitterType::point) points.add("point", emitter.origin.location);
-      if (emitter.type == scene::EmitterType::directional) suns.add("directional", emitter.origin.location);
-      if (emitter.type == scene::EmitterType::constant) constants.add("constant", emitter.origin.location);
-    }
-    for (const scene::Shape& shape : description_.shapes) {
-      if (shape.emitter) areas.add("area", shape.emitter->origin.location);
-    }
     const Share sampling = [](const WorkerStatistics& s) { return shareOf(s, {Phase::lights}); };
     add(
         "light-sampling", scene_.lights.size() > 0,
         scene_.lights.size() > 0 ? formatCount(scene_.lights.size(), "light") : "there are no lights",
         [](const WorkerStatistics& s) { return s.accel.occlusionQueries; }, sampling);
-    add("point-lights", points, "none in the scene");
-    add("directional-lights", suns, "none in the scene");
-    add("constant-light", constants, "none in the scene");
-    add("area-lights", areas, "no shape emits light");
+    addLightEffects(description_, scene_, effects_);
   }
 
   void addSurfaces() {

@@ -23,6 +23,13 @@ struct Effect {
   std::function<double(const render::WorkerStatistics&)> share;
 };
 
+/// Kinds of lights and of their sampling.
+void addLightEffects(const scene::SceneDescription& description, const render::PreparedScene& scene,
+                     std::vector<Effect>& effects);
+/// What changes while the shutter is open, and where paths begin and end.
+void addMotionEffects(const scene::SceneDescription& description, const render::PreparedScene& scene,
+                      std::vector<Effect>& effects);
+
 std::vector<Effect> listEffects(const scene::SceneDescription& description, const render::PreparedScene& scene);
 
 /// Effects that can be forced off, with what that changes.

@@ -23,6 +23,14 @@ const std::vector<RemovableEffect>& removableEffects() {
          d.sensor.type = scene::SensorType::perspective;
          d.sensor.apertureRadius = 0;
        }},
+      {"motion", "everything stands as it does when the shutter opens",
+       [](SceneDescription& d) { d.sensor.shutterClose = d.sensor.shutterOpen; }},
+      {"velocity-blur", "media do not move by their velocities",
+       [](SceneDescription& d) {
+         for (scene::Volume& volume : d.volumes) volume.velocity = {};
+       }},
+      {"equiangular-sampling", "the same image in the mean; more noise around lights in media",
+       [](SceneDescription& d) { d.integrator.equiangular = false; }},
       {"multiple-scattering", "light is scattered once at most: clouds get darker",
        [](SceneDescription& d) {
          d.integrator.maxDepth = d.integrator.maxDepth < 0 ? 2 : std::min(2, d.integrator.maxDepth);
@@ -45,6 +53,14 @@ const std::vector<RemovableEffect>& removableEffects() {
        [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::directional); }},
       {"point-lights", "point lights are left out",
        [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::point); }},
+      {"spot-lights", "spot lights are left out",
+       [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::spot); }},
+      {"projectors", "projectors are left out",
+       [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::projector); }},
+      {"environment-maps", "environment maps are black",
+       [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::envmap); }},
+      {"sun-and-sky", "there is neither the sun nor the sky of a place",
+       [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::sunsky); }},
   };
   return effects;
 }

@@ -12,9 +12,10 @@
 // Where all coefficients of a leaf are known nobody is asked.
 //
 // Emission that varies is met by the tentative collisions, w ε / μ̄ at each, or along the line: at points of a jittered
-// comb, w ε times their distance, w the weight with which the flight comes by. Its mean over all flights is the
-// transmittance, so both are unbiased; but collisions come at random, and where extinction is small seldom, while the
-// comb has the little noise of ray marching. On each stretch the one that looks more often is taken.
+// comb, w ε times their distance. Its mean over all flights is the transmittance, so both are unbiased; but collisions
+// come at random, and where extinction is small seldom, while the places of the comb are even. Collisions take its part
+// where they come several times as often. The light's w is that of ratio tracking, Π σn/μ̄: it does not depend on
+// whether any of the collisions was a real one, and goes on behind it.
 #pragma once
 
 #include "core/volume/distance_sample.h"
@@ -198,6 +199,7 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
   TentativeFlight flight(segment, ray, evaluator.frames());
   LogProduct choices;  // Of the chain: μ̄ and the probability of what happened, for each collision.
   Color weight(1.0f);
+  Color light(1.0f);  // Of the emission that is looked for.
   const bool isAnalogue = std::ranges::any_of(segment.media, &Medium::isAnalogue);
   const auto isAsked = [&] { return given && given->concerns(segment); };
   const auto absorb = [&] {
@@ -207,20 +209,21 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
       tracks = false;
     }
   };
-  if (tracks) {
-    const float step = emissionStepOf(segment);
-    if (step < std::numeric_limits<float>::infinity()) {
-      flight.comb().begin(segment.t0, static_cast<double>(step), static_cast<double>(random.next()));
-    }
-  }
+  const float emissionStep = tracks ? emissionStepOf(segment) : std::numeric_limits<float>::infinity();
+  bool looks = emissionStep < std::numeric_limits<float>::infinity();
+  if (looks) flight.comb().begin(segment.t0, static_cast<double>(emissionStep), static_cast<double>(random.next()));
   bool launches = true;
-  for (int step = 0; tracks || isAsked();) {
-    if (!tracks) flight.comb().end();
+  for (int step = 0; tracks || looks || isAsked();) {
+    if (!looks) flight.comb().end();
     if (launches) flight.launch(static_cast<double>(freeFlight(random.next())));
     Color emission;
     const double stop = isAsked() && given->isIn(segment) ? given->t : std::numeric_limits<double>::infinity();
     TentativeFlight::Arrival arrival = flight.advance(stop, emission);
-    if (tracks) sample.emission += weight * emission;
+    if (looks) {
+      sample.emission += light * emission;
+    } else if (tracks) {
+      sample.emission += weight * emission;
+    }
     const bool isStep = arrival == TentativeFlight::Arrival::collision || arrival == TentativeFlight::Arrival::light;
     if (isStep && step++ == maximumSteps) {
       ++evaluator.trackerStatistics().stepLimits;
@@ -247,7 +250,9 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
       sum.sigmaT += c.sigmaT;
       sum.sigmaS += c.sigmaS;
       if (medium.integratesEmission && usesComb) {
-        if (isLight) sample.emission += weight * c.emission * static_cast<float>(flight.comb().step());
+        if (isLight) sample.emission += light * c.emission * static_cast<float>(flight.comb().step());
+      } else if (looks && isCollision) {
+        sample.emission += light * c.emission / bound;
       } else if (tracks && isCollision) {
         sample.emission += weight * c.emission / bound;
       }
@@ -270,6 +275,10 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
         Color& left = given->sample.weight;
         if (!survivesTrackerRoulette(left, channels.mix(abs(left)), random)) given->end();
       }
+    }
+    if (looks) {
+      light *= (Color(bound) - sum.sigmaT) / bound;
+      looks = survivesTrackerRoulette(light, channels.mix(abs(light)), random);
     }
     if (!tracks) continue;
     const CollisionOdds odds(sum, bound, weight, channels, isAnalogue);

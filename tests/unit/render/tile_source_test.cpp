@@ -19,9 +19,10 @@ void addSamples(Film& film, const PixelRect& part, std::uint32_t first, std::uin
   film.commit(tile);
 }
 
-/// Does all the work; afterwards every pixel has to have exactly the samples first ≤ i < end: none twice, none missing.
-void finish(Film& film, std::uint32_t first, std::uint32_t end) {
-  TileSource source(film, first, end);
+/// Does all the work; afterwards every pixel has to have exactly the samples first ≤ i < end, or what a map says
+/// instead: none twice, none missing.
+void finish(Film& film, std::uint32_t first, std::uint32_t end, const SampleMap* map = nullptr) {
+  TileSource source(film, first, end, map);
   std::uint64_t done = 0;
   while (const auto work = source.next()) {
     ASSERT_LT(work->firstSample, work->endSample);
@@ -36,10 +37,13 @@ void finish(Film& film, std::uint32_t first, std::uint32_t end) {
     addSamples(film, work->area, work->firstSample, work->endSample);
     done += (work->endSample - work->firstSample) * work->area.pixelCount();
   }
-  EXPECT_EQ(done + source.presentSamples(), std::uint64_t{end - first} * area.pixelCount());
+  const std::uint64_t all = map ? map->total(end) - map->total(first) : std::uint64_t{end - first} * area.pixelCount();
+  EXPECT_EQ(source.totalSamples(), all);
+  EXPECT_EQ(done + source.presentSamples(), all);
   for (int y = area.y0; y < area.y1; ++y) {
     for (int x = area.x0; x < area.x1; ++x) {
-      ASSERT_EQ(film.pixel(x, y).ranges(), (std::vector<PixelSum::Range>{{first, end}})) << x << ' ' << y;
+      const PixelSum::Range range{map ? map->countAt(x, y, first) : first, map ? map->countAt(x, y, end) : end};
+      ASSERT_EQ(film.pixel(x, y).ranges(), std::vector{range}) << x << ' ' << y;
     }
   }
 }
@@ -49,6 +53,18 @@ TEST(TileSource, CoversAnEmptyFilm) {
     Film film(area);
     finish(film, first, end);
   }
+}
+
+/// Tiles of the area are 3 × 3, those at its right and lower edge smaller.
+TEST(TileSource, GivesTilesWhatAMapSays) {
+  const SampleMap map(area, {8, 2, 64, 3, 8, 9, 20, 8, 1});
+  for (const std::uint32_t end : {1u, 7u, 64u, 100u}) {
+    Film film(area);
+    finish(film, 0, end, &map);
+  }
+  Film film(area);
+  finish(film, 0, 12, &map);
+  finish(film, 0, 40, &map);
 }
 
 TEST(TileSource, LeavesOutWhatIsThere) {
