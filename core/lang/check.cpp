@@ -178,13 +178,10 @@ void Checker::checkBody(FunctionDeclaration& function) {
   scopes_.pop_back();
   loopDepth_ = outerLoops;
   function_ = outer;
-  functionStates_[&function] = State::done;
-  const bool returnsValue = std::exchange(hasReturn_, outerReturn);
-  if (function.type == types::none || isPoisoned(function.type)) return;
-  if (!returnsValue) {
-    error(function.position,
-          "function '" + function.name + "' has no 'return': its value is of type " + toString(function.type));
-  } else if (!alwaysReturns(*function.body)) {
+  const bool needsReturn = !(function.type == types::none) && !isPoisoned(function.type);
+  functionStates_[&function] = needsReturn && !hasReturn_ ? State::withoutReturn : State::done;
+  hasReturn_ = outerReturn;
+  if (needsReturn && !alwaysReturns(*function.body)) {
     warning(function.position, "function '" + function.name + "' does not return a value on every path",
             {"where it does not, the value is zero"});
   }

@@ -255,6 +255,10 @@ void Checker::useFunction(const FunctionDeclaration& function, Position position
       error(position, "function '" + function.name + "' calls itself: shaders cannot recurse",
             {"it is defined here: " + where(function.position)});
     }
+    if (state->second == State::withoutReturn) {
+      error(position, "function '" + function.name + "' has no 'return' to give it a value",
+            {"it is defined here: " + where(body.position)});
+    }
     return;
   }
   if (!body.body || !sourceMap_.isInPrelude(body.position)) return;

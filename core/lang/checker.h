@@ -48,7 +48,7 @@ class Checker {
     std::map<std::string, VariableDeclaration*, std::less<>> variables;
     std::map<std::string, std::vector<FunctionDeclaration*>, std::less<>> functions;
   };
-  enum class State : std::uint8_t { checking, done };
+  enum class State : std::uint8_t { checking, done, withoutReturn };
 
   /// What may be called by a name.
   struct Candidate {
