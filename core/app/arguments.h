@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/image/image.h"
 #include "core/scene/description.h"
 
 namespace aerosol::app {
@@ -68,7 +69,9 @@ struct RenderArguments {
   bool explainCost = false;
   bool statistics = false;
   bool countLanes = false;
-  bool watch = false;  ///< Start over when a file of the scene changes, until the program is ended.
+  bool watch = false;             ///< Start over when a file of the scene changes, until the program is ended.
+  image::DisplayOptions display;  ///< Of .png and .jpg files.
+  std::string tev;                ///< Where a viewer listens; empty: none.
   KernelArguments kernels;
 };
 
@@ -78,6 +81,17 @@ struct MergeArguments {
   std::optional<Crop> crop;   ///< All that is wanted of the film.
   bool mixed = false;         ///< Parts of other instruction sets or versions are joined too.
   bool allowMissing = false;  ///< Writes what there is, with its sums.
+  image::DisplayOptions display;
+  bool quiet = false;
+};
+
+struct DenoiseArguments {
+  std::string input;
+  std::vector<std::string> outputs;
+  int radius = 9;         ///< Pixels.
+  float strength = 0.5f;  ///< Standard deviations.
+  int threads = 0;        ///< 0: one a processor.
+  image::DisplayOptions display;
   bool quiet = false;
 };
 
@@ -187,7 +201,7 @@ struct ToolArguments {
 };
 
 using Arguments =
-    std::variant<RenderArguments, BakeArguments, MergeArguments, StudyArguments, PlanArguments, DoctorArguments,
-                 CheckArguments, SubmitArguments, HelpArguments, VersionArguments, ToolArguments>;
+    std::variant<RenderArguments, BakeArguments, MergeArguments, DenoiseArguments, StudyArguments, PlanArguments,
+                 DoctorArguments, CheckArguments, SubmitArguments, HelpArguments, VersionArguments, ToolArguments>;
 
 }  // namespace aerosol::app

@@ -138,6 +138,10 @@ void addRender(CLI::App& program, RenderArguments& render) {
          "or light path expressions: --aov \"first=C<RD>L\"; repeatable")
       ->allow_extra_args(false)
       ->option_text("NAME[=EXPRESSION],...");
+  addDisplayOptions(app, render.display);
+  app.add_option("--tev", render.tev,
+                 "Show the image while it is rendered in tev, a viewer that runs\nthere [port 14158]")
+      ->option_text("HOST[:PORT]");
   app.add_flag("--count-lanes", render.countLanes, "Print statistics with the lanes used inside shaders (slower)");
 }
 
@@ -166,6 +170,7 @@ struct Parser {
   CLI::App app{"Aerosol, a path tracer for scripted volumes", "aerosol"};
   RenderArguments render;
   MergeArguments merge;
+  DenoiseArguments denoise;
   StudyArguments study;
   PlanArguments plan;
   DoctorArguments doctor;
@@ -187,6 +192,7 @@ struct Parser {
     addRender(app, render);
     addBake(app, bake);
     addMerge(app, merge);
+    addDenoise(app, denoise);
     addStudy(app, study);
     addPlan(app, plan);
     addCheck(app, check);
@@ -337,6 +343,7 @@ std::variant<Arguments, Reply> parseCommandLine(const std::vector<std::string>& 
   }
   if (parser.chose("render")) return Arguments(std::move(parser.render));
   if (parser.chose("merge")) return Arguments(std::move(parser.merge));
+  if (parser.chose("denoise")) return Arguments(std::move(parser.denoise));
   if (parser.chose("study")) return Arguments(std::move(parser.study));
   if (parser.chose("plan")) return Arguments(std::move(parser.plan));
   if (parser.chose("check")) return Arguments(std::move(parser.check));

@@ -156,7 +156,7 @@ class Merge {
     picture.metadata = metadataOf(counts);
     picture.layers = makeLayers(*film_);
     if (isIncomplete_) picture.attachment = render::encodeFilm(*film_);
-    if (!accept(writeOutputs(arguments_.outputs, picture, job_.film))) return false;
+    if (!accept(writeOutputs(arguments_.outputs, picture, job_.film, arguments_.display))) return false;
     if (arguments_.quiet) return true;
     for (const std::string& name : arguments_.outputs) {
       console_.note(fmt::format("wrote {}: {} x {} pixels, {} samples a pixel, from {}\n", name, picture.width,

@@ -73,6 +73,9 @@ void addKernelOptions(CLI::App& app, KernelArguments& kernels);
 /// --seed, --distance, --step-scale: what changes the image, but for the number of samples.
 void addMethodOptions(CLI::App& app, RenderArguments& render);
 
+/// --ocio, --display, --view, --working-space, --exposure.
+void addDisplayOptions(CLI::App& app, image::DisplayOptions& display);
+void addDenoise(CLI::App& program, DenoiseArguments& denoise);
 void addMerge(CLI::App& program, MergeArguments& merge);
 void addStudy(CLI::App& program, StudyArguments& study);
 void addPlan(CLI::App& program, PlanArguments& plan);

@@ -20,8 +20,9 @@ bool isExr(const std::string& name) {
   return extension.size() == 4 && strcasecmp(extension.c_str(), ".exr") == 0;
 }
 
-image::WriteOptions optionsFor(const std::string& name, const scene::Film& film) {
+image::WriteOptions optionsFor(const std::string& name, const scene::Film& film, const image::DisplayOptions& display) {
   image::WriteOptions options;
+  options.display = display;
   if (isExr(name) && film.componentFormat == scene::ComponentFormat::float16) {
     options.pixelType = image::PixelType::float16;
   }
@@ -55,7 +56,8 @@ Diagnostics checkOutputPlaces(const std::vector<std::string>& names) {
   return errors;
 }
 
-Diagnostics tryOutputs(const std::vector<std::string>& names, const scene::Film& film) {
+Diagnostics tryOutputs(const std::vector<std::string>& names, const scene::Film& film,
+                       const image::DisplayOptions& display) {
   Diagnostics errors;
   image::ImageBuffer dot;
   dot.width = dot.height = 1;
@@ -66,7 +68,7 @@ Diagnostics tryOutputs(const std::vector<std::string>& names, const scene::Film&
     const fs::path probe =
         fs::path(name).parent_path() / fmt::format(".aerosol-try-{}{}", getpid(), fs::path(name).extension().string());
     if (!tried.insert(probe).second) continue;
-    const auto written = image::writeImage(probe.string(), dot, optionsFor(name, film));
+    const auto written = image::writeImage(probe.string(), dot, optionsFor(name, film, display));
     std::error_code ignored;
     fs::remove(probe, ignored);
     if (written) continue;
@@ -79,10 +81,10 @@ Diagnostics tryOutputs(const std::vector<std::string>& names, const scene::Film&
 }
 
 Diagnostics writeOutputs(const std::vector<std::string>& names, const image::ImageBuffer& picture,
-                         const scene::Film& film) {
+                         const scene::Film& film, const image::DisplayOptions& display) {
   Diagnostics errors;
   for (const std::string& name : names) {
-    const auto written = image::writeImage(name, picture, optionsFor(name, film));
+    const auto written = image::writeImage(name, picture, optionsFor(name, film, display));
     if (!written) errors.append(written.errors());
   }
   return errors;

@@ -22,11 +22,12 @@ Diagnostics checkOutputPlaces(const std::vector<std::string>& names);
 
 /// Writes and removes one pixel in each format beside the file to come: finds what is wrong with the image libraries or
 /// the display's configuration before hours of rendering do.
-Diagnostics tryOutputs(const std::vector<std::string>& names, const scene::Film& film);
+Diagnostics tryOutputs(const std::vector<std::string>& names, const scene::Film& film,
+                       const image::DisplayOptions& display = {});
 
 /// Writes the picture to every file; a file that fails does not keep the others from being written.
 Diagnostics writeOutputs(const std::vector<std::string>& names, const image::ImageBuffer& picture,
-                         const scene::Film& film);
+                         const scene::Film& film, const image::DisplayOptions& display = {});
 
 /// A text file, complete or not at all.
 Diagnostics writeTextFile(const std::string& name, const std::string& text);

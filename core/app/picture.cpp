@@ -149,10 +149,25 @@ image::ImageBuffer makePicture(const render::Film& film, const scene::Film& desc
   return picture;
 }
 
+namespace {
+
+/// What programs know a Cryptomatte by.
+std::vector<image::Metadata> matteMetadata(const render::Film& film, const render::AovLayer& layer) {
+  std::vector<image::Metadata> metadata;
+  if (layer.finish != render::AovFinish::matte) return metadata;
+  const render::AovMatte& matte = film.layout().mattes[layer.second];
+  for (render::MatteMetadata& entry : render::matteMetadata(matte.name, matte.names))
+    metadata.push_back({std::move(entry.key), std::move(entry.value)});
+  return metadata;
+}
+
+}  // namespace
+
 std::vector<image::ImageLayer> makeLayers(const render::Film& film) {
   std::vector<image::ImageLayer> layers;
   for (const render::AovLayer& layer : film.layout().layers)
-    layers.push_back({layer.name, layer.channels, render::layerPixels(film, layer), layer.isData});
+    layers.push_back(
+        {layer.name, layer.channels, render::layerPixels(film, layer), layer.isData, matteMetadata(film, layer)});
   return layers;
 }
 

@@ -25,6 +25,7 @@
 #include "core/app/shader_report.h"
 #include "core/app/statistics_report.h"
 #include "core/app/step_accuracy.h"
+#include "core/app/tev_view.h"
 #include "core/render/film_archive.h"
 #include "core/render/renderer.h"
 
@@ -60,7 +61,8 @@ class Render {
     if (!accept(checkOutputPlaces(outputs_)) || !prepare() || !chooseSamples()) return ExitCode::badInput;
     isDone_ = arguments_.resume && isThere();
     if (isDone_) return ExitCode::success;
-    const bool isReady = accept(tryOutputs(outputs_, session_.description().film));
+    if (!connectViewer()) return ExitCode::badInput;
+    const bool isReady = accept(tryOutputs(outputs_, session_.description().film, arguments_.display));
     if (isReady && arguments_.adaptive) makeMap();
     return isReady && resume() ? ExitCode::success : ExitCode::badInput;
   }
@@ -92,6 +94,7 @@ class Render {
     }
     options.stop = &stop_;
     if (!arguments_.quiet) options.progress = [&](const render::Progress& progress) { display.show(progress); };
+    if (tev_) options.partDone = [this](const render::PixelRect& part) { tev_->show(*film_, part); };
     watch_.startRendering();
     const render::Integrator& integrator = session_.integrator();
     if (goal) {
@@ -191,6 +194,16 @@ class Render {
       warnings.warning(aovs.front().location, "no EXR file is written: the AOVs of the scene are lost",
                        {"-o NAME.exr"});
     return warnings;
+  }
+
+  bool connectViewer() {
+    if (arguments_.tev.empty()) return true;
+    const scene::Film& film = session_.description().film;
+    auto view = TevView::connect(arguments_.tev, std::filesystem::path(outputs_.front()).filename().string(),
+                                 film.width, film.height, film.pixelFormat == scene::PixelFormat::rgba);
+    if (!view) return accept(view.errors());
+    tev_ = std::move(*view);
+    return true;
   }
 
   bool chooseSamples() {
@@ -348,7 +361,8 @@ class Render {
     picture.layers = makeLayers(*film_);
     if (keepsSums()) picture.attachment = render::encodeFilm(*film_);
     const bool pointsAreSaved = accept(session_.scene().services->finish());
-    if (!accept(writeOutputs(outputs_, picture, session_.description().film)) || !pointsAreSaved) return false;
+    if (!accept(writeOutputs(outputs_, picture, session_.description().film, arguments_.display)) || !pointsAreSaved)
+      return false;
     if (!report_.interrupted) removeCheckpoint();
     if (!arguments_.quiet) {
       for (const std::string& name : outputs_) {
@@ -380,6 +394,7 @@ class Render {
     found.append(reportDroppedSamples(*film_));
     found.append(reportReplacedAovs(*film_));
     found.append(reportHiddenAovs());
+    if (tev_ && !tev_->finish()) found.warning({}, "the connection to tev was lost: it shows an earlier state");
     session_.description().sources->annotate(found);
     console_.report(found);
     if (arguments_.explainCost) console_.note(explainCost(session_.scene(), report_, session_.threadCount()));
@@ -397,6 +412,7 @@ class Render {
   std::vector<std::string> outputs_;
   std::optional<render::SampleMap> map_;  ///< Of an adaptive render.
   std::unique_ptr<render::Film> film_;
+  std::unique_ptr<TevView> tev_;  ///< Null without a viewer.
   render::RenderReport report_;
   Job job_;
   SampleRange range_;

@@ -6,6 +6,7 @@
 #include "core/app/bake_command.h"
 #include "core/app/check_command.h"
 #include "core/app/command_line.h"
+#include "core/app/denoise_command.h"
 #include "core/app/doctor/doctor_command.h"
 #include "core/app/help_command.h"
 #include "core/app/merge_command.h"
@@ -27,6 +28,7 @@ struct Runner {
 
   ExitCode operator()(const RenderArguments& arguments) const { return renderCommand(arguments, console); }
   ExitCode operator()(const MergeArguments& arguments) const { return mergeCommand(arguments, console); }
+  ExitCode operator()(const DenoiseArguments& arguments) const { return denoiseCommand(arguments, console); }
   ExitCode operator()(const StudyArguments& arguments) const { return studyCommand(arguments, console); }
   ExitCode operator()(const PlanArguments& arguments) const { return planCommand(arguments, console); }
   ExitCode operator()(const DoctorArguments& arguments) const { return doctorCommand(arguments, console); }

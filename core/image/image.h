@@ -25,6 +25,7 @@ struct ImageLayer {
   std::vector<std::string> channels;  ///< Full names, such as "direct.R".
   std::vector<float> pixels;          ///< width * height * channels.size() values.
   bool isData = false;                ///< Stored as float32 whatever the picture is.
+  std::vector<Metadata> metadata;
 };
 
 /// A picture, or the part of one that a crop left: rows from the top, channels interleaved.

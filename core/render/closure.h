@@ -21,6 +21,7 @@ enum class ClosureKind : unsigned char {
   interior,     ///< Says what lies inside; scatters nothing itself.
   subsurface,   ///< Light enters, and leaves the body (`Closure::body`) somewhere else.
   holdout,      ///< Takes its weight from the image's coverage.
+  output,       ///< Gives its weight to an AOV; neither scatters nor emits.
   shadowing     ///< On top of others: dims light by its direction (`Closure::shadowing`), scatters nothing itself.
 };
 

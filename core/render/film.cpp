@@ -1,6 +1,7 @@
 #include "core/render/film.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <string>
@@ -52,6 +53,17 @@ std::uint64_t replaceNonFinite(std::vector<float>& values) {
   return count;
 }
 
+/// The ids of a sample's things, out of its values.
+void takeMattes(const AovLayout& layout, AovSample& sample) {
+  sample.mattes.clear();
+  for (const AovMatte& matte : layout.mattes) {
+    const float weight = sample.values[matte.weightSlot];
+    const auto id = std::bit_cast<std::uint32_t>(sample.values[matte.slot]);
+    sample.mattes.push_back({id, std::isfinite(weight) ? static_cast<double>(weight) : 0.0});
+    sample.values[matte.slot] = 0;
+  }
+}
+
 }  // namespace
 
 void Film::commit(const FilmTile& tile) {
@@ -74,6 +86,7 @@ void Film::commit(const FilmTile& tile) {
         const float* const values = tile.aovs_.data() + (local * count + i) * tile.aovWidth_;
         aovs.values.assign(values, values + tile.aovWidth_);
         aovs.isCounted = sample.isFinite();
+        takeMattes(layout_, aovs);
         if (aovs.isCounted) replaced += replaceNonFinite(aovs.values);
         aovs_[area_.indexOf(x, y)].add(tile.firstSample_ + i, aovs);
       }

@@ -24,12 +24,13 @@ Diagnostic damaged() { return {Severity::error, {}, "the sums of samples in this
 bool readAovs(ArchiveReader& archive, Film& film, int x, int y) {
   AovSum::Content content;
   archive(content);
-  const std::size_t width = film.layout().width;
+  const std::size_t width = film.layout().width, mattes = film.layout().mattes.size();
   for (const auto& node : content.nodes) {
     if (!node.sums.values.empty() && node.sums.values.size() != width) return false;
+    if (node.sums.mattes.size() != (node.sums.values.empty() ? 0 : mattes)) return false;
   }
   for (const auto& open : content.open) {
-    if (open.sample.values.size() != width) return false;
+    if (open.sample.values.size() != width || open.sample.mattes.size() != mattes) return false;
   }
   auto sum = AovSum::fromContent(content);
   const PixelSum& pixel = film.pixel(x, y);

@@ -36,12 +36,17 @@ struct PreparedObject {
   bool isBoundary = false;                   ///< Null material: rays pass, and change medium.
   const volume::Medium* interior = nullptr;  ///< On the side away from the normal; null: vacuum.
   const volume::Medium* exterior = nullptr;
-  std::optional<int> priority;                          ///< Of the interior, where no closure describes one.
-  bool passesShadows = false;                           ///< Its material has an answer of its own for shadow rays.
-  bool facesViewer = false;                             ///< Shaders are told normals towards the viewer.
-  bool clipsVolumes = false;                            ///< The interior rules out volume primitives too.
-  std::optional<std::uint32_t> light;                   ///< Index of its area light.
-  std::vector<const Closure*> closures;                 ///< By closure site of the material's program.
+  std::optional<int> priority;           ///< Of the interior, where no closure describes one.
+  bool passesShadows = false;            ///< Its material has an answer of its own for shadow rays.
+  bool facesViewer = false;              ///< Shaders are told normals towards the viewer.
+  bool clipsVolumes = false;             ///< The interior rules out volume primitives too.
+  std::optional<std::uint32_t> light;    ///< Index of its area light.
+  std::vector<const Closure*> closures;  ///< By closure site of the material's program.
+  struct Output {
+    std::uint32_t site = 0;
+    std::string name;
+  };
+  std::vector<Output> outputs;                          ///< Closures that give their weight to an AOV.
   std::vector<std::vector<lang::ClosureLayer>> layers;  ///< What lies on them, by site; empty where nothing is layered.
 };
 

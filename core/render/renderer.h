@@ -36,6 +36,8 @@ struct RenderOptions {
   std::optional<std::uint64_t> seed;              ///< Instead of the scene's.
   /// What the film holds so far as bytes (see film_archive.h), now and then while the render goes on; may be empty.
   std::function<void(std::string)> checkpoint;
+  /// Called with each part of the film that got samples, by the thread that renders it: others keep off that part.
+  std::function<void(const PixelRect&)> partDone;
   double checkpointSeconds = 30;            ///< From the end of one to the next; longer where they take long.
   bool profile = false;                     ///< Look where the threads are, a thousand times a second.
   const std::atomic<bool>* stop = nullptr;  ///< Set by somebody: the render ends soon; the film keeps what is complete.

@@ -146,6 +146,7 @@ void Worker::close(OpenTile* tile) {
   {
     const std::lock_guard lock(shared_.tileLocks[tile->work.tile]);
     shared_.film.commit(tile->samples);
+    if (shared_.options.partDone) shared_.options.partDone(tile->work.area);
   }
   shared_.samplesDone += (tile->work.endSample - tile->work.firstSample) * tile->work.area.pixelCount();
   const auto at = std::find_if(open_.begin(), open_.end(), [&](const auto& each) { return each.get() == tile; });

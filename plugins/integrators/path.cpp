@@ -215,6 +215,8 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   }
   const SurfaceClosures closures(object, answer, hit, state.ray.direction,
                                  nesting.isInterface ? &nesting.crossing : nullptr);
+  if (path.record && !closures.mix().isPassing())
+    seeSurface(path, closures.mix(), hit, seenDistance(state, hit.point), state.throughput);
   radiance.alpha = std::max(radiance.alpha, 1 - std::clamp(average(closures.mix().holdout()), 0.0f, 1.0f));
   const bool isHidden = scene.path.hideEmitters && state.length == 1;
   if (object.light && !isHidden) {
@@ -231,11 +233,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     scene.messages->reportInvalidSurface(hit.object, *invalid, hit.point, path.id());
   }
   radiance.color += state.throughput * closures.mix().emitted();
-  if (path.record) {
-    path.record->addFromObject(closures.mix().emitted(), hit.object);
-    if (!closures.mix().isPassing())
-      seeSurface(path, closures.mix(), hit.shadingNormal, seenDistance(state, hit.point), state.throughput);
-  }
+  if (path.record) path.record->addFromObject(closures.mix().emitted(), hit.object);
   if (state.length == scene.path.maxDepth) co_return Step::ends;
 
   beginVertex(path, state.length);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <bit>
+
 #include "core/render/aov/aov_pixels.h"
 #include "core/render/film_archive.h"
 #include "tests/render/stills.h"
@@ -346,8 +348,68 @@ TEST(Aovs, TheDepthIntegratorShowsDistances) {
   EXPECT_EQ(film->estimate(1, 1).alpha, 1);
 }
 
+/// Weights of debug("…") in materials, behind fog that hides a part of them; they add nothing to the picture.
+TEST(Aovs, ShadersShowWhatTheyLike) {
+  const auto sceneWith = [](const std::string& source, const std::string& aovs) {
+    return aovScene(aovs, "", {.fov = 1, .width = 2, .height = 2},
+                    R"(
+      <emitter type="constant"/><shape type="rectangle"><transform name="to_world"><scale value="2"/>
+        <rotate y="1" angle="180"/><translate z="3"/></transform><bsdf type="osl"><source><![CDATA[)" +
+                        source + R"(]]></source></bsdf></shape>
+      <volume type="box"><transform name="to_world"><scale z="0.5"/></transform><medium type="homogeneous">
+        <rgb name="sigma_t" value="0.7"/><rgb name="albedo" value="0"/></medium></volume>)");
+  };
+  const std::string matte = "surface s(string tag = \"wet\") { Ci = 0.5 * diffuse(N)";
+  const TestScene shown =
+      sceneWith(matte + R"(+ color(1, 2, u) * debug(tag) + 3 * debug("dry") + (-1) * debug("wet"); })",
+                "wet:debug:wet,d:debug:dry");
+  const TestScene plain = sceneWith(matte + "; }", "");
+  ASSERT_TRUE(shown.scene() && plain.scene());
+  const auto film = shown.render(4096), without = plain.render(4096);
+  const double through = std::exp(-0.7);
+  const std::vector<float> wet = layer(*film, "wet"), dry = layer(*film, "d");
+  EXPECT_NEAR(wet[0], 0, 1e-6);
+  EXPECT_NEAR(wet[1], through, 0.03);
+  EXPECT_NEAR(wet[2], -0.5 * through, 0.03);
+  EXPECT_NEAR(dry[2], 3 * through, 0.1);
+  EXPECT_NEAR(beauty(*film)[0], beauty(*without)[0], 0.02);
+}
+
+/// A wall that covers the left half, with a window; fog hides a part of it, by its transmittance.
+TEST(Aovs, MattesSayHowMuchIsSeenOfEachThing) {
+  const TestScene scene =
+      aovScene("crypto_object:crypto_object,m:crypto_material", "", {.fov = 1, .width = 2, .height = 2}, R"(
+      <bsdf type="diffuse" id="paint"/><emitter type="constant"/>
+      <shape type="rectangle" id="wall"><transform name="to_world"><rotate y="1" angle="180"/><translate x="1" z="3"/>
+        </transform><ref id="paint"/></shape>
+      <volume type="box" id="fog"><transform name="to_world"><scale z="0.5"/></transform><medium type="homogeneous">
+        <rgb name="sigma_t" value="0.7"/><rgb name="albedo" value="1"/></medium></volume>)");
+  ASSERT_TRUE(scene.scene());
+  const auto film = scene.render(4096);
+  const auto shareOf = [&](const std::string& name, std::size_t pixel, const std::string& thing) {
+    for (const char* part : {"00", "01", "02"}) {
+      const std::vector<float> pixels = layer(*film, name + part);
+      for (std::size_t rank = 0; rank < 2; ++rank) {
+        if (std::bit_cast<std::uint32_t>(pixels[4 * pixel + 2 * rank]) == render::matteId(thing))
+          return static_cast<double>(pixels[4 * pixel + 2 * rank + 1]);
+      }
+    }
+    return 0.0;
+  };
+  // The camera looks along +z: +x is on the left.
+  const double through = std::exp(-0.7);
+  EXPECT_NEAR(shareOf("CryptoObject", 0, "wall"), through, 0.03);
+  EXPECT_NEAR(shareOf("CryptoObject", 0, "fog"), 1 - through, 0.03);
+  EXPECT_EQ(shareOf("CryptoObject", 1, "wall"), 0);
+  EXPECT_NEAR(shareOf("CryptoObject", 1, "fog"), 1 - through, 0.03);
+  EXPECT_NEAR(shareOf("m", 0, "paint"), through, 0.03);
+  EXPECT_NEAR(shareOf("m", 0, "homogeneous"), 1 - through, 0.03);
+  EXPECT_EQ(film->layout().mattes[0].names.size(), 2u);
+}
+
 constexpr const char* manyAovs =
-    "direct:direct,volume:volume,g:light_groups,d:denoise,depth:depth,albedo:albedo,cost:cost,n:sh_normal,x:C.+'key'";
+    "direct:direct,volume:volume,g:light_groups,d:denoise,depth:depth,albedo:albedo,cost:cost,n:sh_normal,x:C.+'key',"
+    "co:crypto_object,cm:crypto_material";
 
 TEST(Aovs, NeitherThreadsNorCropsNorPartsChangeABit) {
   TestSensor sensor = sensorOfAll();

@@ -153,7 +153,7 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
     return enters && isSound ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << "does not enter a body";
   }
   const bool isSilent = closure.kind() == ClosureKind::interior || closure.kind() == ClosureKind::holdout ||
-                        closure.kind() == ClosureKind::shadowing;
+                        closure.kind() == ClosureKind::shadowing || closure.kind() == ClosureKind::output;
   if (isSilent) return s ? ::testing::AssertionFailure() : ::testing::AssertionSuccess();
   if (closure.kind() == ClosureKind::emission) {
     return !s && isBlack(albedo) && !isBlack(closure.emitted(p, point)) ? ::testing::AssertionSuccess()

@@ -54,6 +54,7 @@ std::string readParts(OIIO::ImageInput& input, ImageBuffer& image) {
     ImageLayer& layer = image.layers.emplace_back();
     layer.name = name;
     layer.channels = spec.channelnames;
+    copyMetadata(spec, layer.metadata);
     layer.isData = spec.format == OIIO::TypeDesc::FLOAT;
     layer.pixels.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) *
                         static_cast<std::size_t>(spec.nchannels));

@@ -146,6 +146,7 @@ std::string writeExr(const std::string& path, const ImageBuffer& image, const Wr
     part.spec.channelnames = layer.channels;
     part.spec.set_format(isHalf && !layer.isData ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
     part.spec.attribute("oiio:subimagename", layer.name);
+    setMetadata(part.spec, layer.metadata);
   }
   std::optional<AttachmentPart> attachment;
   if (!image.attachment.empty()) attachment.emplace(image.attachment, plain, options.compression);

@@ -4,6 +4,34 @@
 
 namespace aerosol::render {
 
+namespace {
+
+/// Whether a layer finds its values.
+bool isSound(const AovLayout& layout, const AovLayer& layer) {
+  const std::size_t count = layer.channels.size(), width = layout.width;
+  const bool hasValues = layer.first + count <= width;
+  switch (layer.finish) {
+    case AovFinish::mean:
+      return hasValues;
+    case AovFinish::share:
+      return hasValues && layer.second < width;
+    case AovFinish::meanVariance:
+      return hasValues && layer.second + count <= width;
+    case AovFinish::picture:
+      return count == 3 || count == 4;
+    case AovFinish::standardError:
+    case AovFinish::pictureVariance:
+      return count == 3;
+    case AovFinish::sampleCount:
+      return count == 1;
+    case AovFinish::matte:
+      return count == 4 && layer.second < layout.mattes.size();
+  }
+  return false;
+}
+
+}  // namespace
+
 const AovLayer* AovLayout::find(const std::string& name) const {
   const auto at = std::find_if(layers.begin(), layers.end(), [&](const AovLayer& each) { return each.name == name; });
   return at == layers.end() ? nullptr : &*at;
@@ -21,25 +49,12 @@ std::string AovLayout::toText() const {
 
 bool AovLayout::isSound() const {
   constexpr std::uint32_t most = 1 << 16;
-  return width <= most && std::all_of(layers.begin(), layers.end(), [&](const AovLayer& layer) {
-           const std::size_t count = layer.channels.size();
-           if (count == 0 || count > most || layer.first > width || layer.second > width) return false;
-           switch (layer.finish) {
-             case AovFinish::mean:
-               return layer.first + count <= width;
-             case AovFinish::share:
-               return layer.first + count <= width && layer.second < width;
-             case AovFinish::meanVariance:
-               return layer.first + count <= width && layer.second + count <= width;
-             case AovFinish::picture:
-               return count == 3 || count == 4;
-             case AovFinish::standardError:
-             case AovFinish::pictureVariance:
-               return count == 3;
-             case AovFinish::sampleCount:
-               return count == 1;
-           }
-           return false;
+  const bool hasMattes = std::all_of(mattes.begin(), mattes.end(), [&](const AovMatte& matte) {
+    return matte.slot < width && matte.weightSlot < width;
+  });
+  return width <= most && hasMattes && std::all_of(layers.begin(), layers.end(), [&](const AovLayer& layer) {
+           return !layer.channels.empty() && layer.channels.size() <= most && layer.first <= most &&
+                  layer.second <= most && render::isSound(*this, layer);
          });
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/render/aov/cryptomatte.h"
+
 namespace aerosol::render {
 
 /// How a layer's values come from the sums over a pixel's samples.
@@ -15,7 +17,8 @@ enum class AovFinish : std::uint8_t {
   picture,          ///< The picture itself, with its coverage.
   standardError,    ///< Of the picture.
   pictureVariance,  ///< Of the picture's mean: the square of its standard error.
-  sampleCount
+  sampleCount,
+  matte  ///< Two pairs of id and coverage of a Cryptomatte.
 };
 
 /// One quantity: a part of an EXR file.
@@ -25,14 +28,26 @@ struct AovLayer {
   std::vector<std::string> channels;  ///< Full names, such as "direct.R".
   AovFinish finish = AovFinish::mean;
   std::uint32_t first = 0;   ///< Of the values that are gathered: one a channel from here on.
-  std::uint32_t second = 0;  ///< The weight of `share`; the squares of `meanVariance`, one a channel.
+  std::uint32_t second = 0;  ///< Of `matte`: which of the mattes, and `first` is the rank of its first pair. The weight
+                             ///< of `share`; the squares of `meanVariance`, one a channel.
   bool isData = false;       ///< No colour: kept in full precision whatever the picture's is.
 
   friend bool operator==(const AovLayer&, const AovLayer&) = default;
 };
 
+/// Which things pixels show: the id of one thing comes with each sample, as the bits of a float.
+struct AovMatte {
+  std::string name;        ///< Before the numbers of its layers.
+  std::uint32_t slot = 0;  ///< Of the id; 0: none is seen.
+  std::uint32_t weightSlot = 0;
+  std::vector<MatteName> names;
+
+  friend bool operator==(const AovMatte&, const AovMatte&) = default;
+};
+
 struct AovLayout {
   std::vector<AovLayer> layers;
+  std::vector<AovMatte> mattes;
   std::uint32_t width = 0;  ///< Values of each sample.
 
   /// "direct, first=C<RD>L".
@@ -52,8 +67,13 @@ void describe(A& archive, AovLayer& layer) {
 }
 
 template <class A>
+void describe(A& archive, AovMatte& matte) {
+  archive(matte.name, matte.slot, matte.weightSlot, matte.names);
+}
+
+template <class A>
 void describe(A& archive, AovLayout& layout) {
-  archive(layout.layers, layout.width);
+  archive(layout.layers, layout.mattes, layout.width);
 }
 
 }  // namespace aerosol::render

@@ -1,6 +1,7 @@
 #include "core/render/aov/aov_pixels.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace aerosol::render {
 
@@ -19,6 +20,28 @@ void appendGathered(const AovLayer& layer, const std::vector<double>& sums, doub
       const double scatter = std::max(0.0, sums[layer.second + c] - sum * sum / count);
       pixels.push_back(count > 1 ? static_cast<float>(scatter / (count * (count - 1))) : 0.0f);
     }
+  }
+}
+
+/// The pairs of a layer: ids by falling coverage, of equal ones the smaller id first. Noise of what is seen through
+/// media may make a sum larger than one, or single shares negative.
+void appendRanks(const AovLayer& layer, const AovSums& sums, double count, std::vector<float>& pixels) {
+  MatteShares ranked;
+  double total = 0;
+  if (layer.second < sums.mattes.size()) {
+    for (const MatteShare& share : sums.mattes[layer.second]) {
+      if (!(share.weight > 0)) continue;
+      ranked.push_back({share.id, share.weight / count});
+      total += share.weight / count;
+    }
+  }
+  std::sort(ranked.begin(), ranked.end(), [](const MatteShare& a, const MatteShare& b) {
+    return a.weight != b.weight ? a.weight > b.weight : a.id < b.id;
+  });
+  for (std::size_t rank = layer.first; rank < layer.first + 2; ++rank) {
+    const bool isThere = rank < ranked.size();
+    pixels.push_back(isThere ? std::bit_cast<float>(ranked[rank].id) : 0.0f);
+    pixels.push_back(isThere ? static_cast<float>(ranked[rank].weight / std::max(1.0, total)) : 0.0f);
   }
 }
 
@@ -43,6 +66,10 @@ void appendPixel(const Film& film, const AovLayer& layer, int x, int y, std::vec
       break;
   }
   const AovSums sums = film.aovs(x, y).total();
+  if (layer.finish == AovFinish::matte) {
+    appendRanks(layer, sums, pixel.count, pixels);
+    return;
+  }
   if (pixel.count == 0 || sums.values.empty()) {
     pixels.insert(pixels.end(), layer.channels.size(), 0.0f);
   } else {

@@ -1,6 +1,7 @@
 #include "core/render/aov/aov_plan.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
 
@@ -23,7 +24,9 @@ class PlanBuilder {
   }
 
   void add(const scene::AovRequest& request) {
-    if (request.quantity == "light_groups") {
+    if (request.quantity.starts_with("debug:")) {
+      addOutput(request, request.quantity.substr(6));
+    } else if (request.quantity == "light_groups") {
       addLightGroups(request);
     } else if (const AovType* type = findAovType(request.quantity); type && type->kind == AovKind::list) {
       for (std::string_view rest = type->members; !rest.empty();) {
@@ -38,7 +41,7 @@ class PlanBuilder {
     } else {
       std::vector<std::string> notes;
       if (std::string near = didYouMean(request.quantity, aovNames()); !near.empty()) notes.push_back(std::move(near));
-      notes.push_back("known are: " + joined(aovNames()) + ", or a light path expression such as C<RD>L");
+      notes.push_back("known are: " + joined(aovNames()) + ", debug:OUTPUT, or a light path expression such as C<RD>L");
       errors_.error(request.location, "'" + request.quantity + "' is no AOV", std::move(notes));
     }
   }
@@ -147,9 +150,67 @@ class PlanBuilder {
       case AovKind::sampleCount:
         addLayer(request, type.channels, AovFinish::sampleCount, true);
         break;
+      case AovKind::objectMatte:
+        addMatte(request, type, "CryptoObject", &AovScene::Thing::name);
+        break;
+      case AovKind::materialMatte:
+        addMatte(request, type, "CryptoMaterial", &AovScene::Thing::material);
+        break;
       case AovKind::list:
         break;
     }
+  }
+
+  /// What shaders give to an output. Asked for by its plain name the layer is called as the output.
+  void addOutput(const scene::AovRequest& request, const std::string& name) {
+    needPaths(request);
+    std::vector<std::string> known;
+    for (const AovScene::Output& output : scene_.outputs) {
+      if (std::find(known.begin(), known.end(), output.name) == known.end()) known.push_back(output.name);
+    }
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      const std::string what = known.empty() ? "no shader of the scene calls debug()" : "known are: " + joined(known);
+      errors_.error(request.location, "no shader has the output '" + name + "'", {what});
+      return;
+    }
+    AovLayer& layer =
+        addLayer({request.name == request.quantity ? name : request.name, request.quantity, request.location}, "RGB",
+                 AovFinish::mean, false);
+    layer.first = reserve(3);
+    for (const AovScene::Output& output : scene_.outputs) {
+      if (output.name != name) continue;
+      if (plan_->outputs.size() <= output.object) plan_->outputs.resize(output.object + 1);
+      plan_->outputs[output.object].push_back({output.site, layer.first});
+    }
+    square(request, layer);
+  }
+
+  /// Three layers with two pairs each. Asked for by its plain name it is called as compositors expect.
+  void addMatte(const scene::AovRequest& request, const AovType& type, const char* usual,
+                std::string AovScene::Thing::* nameOf) {
+    needPaths(request);
+    if (plan_->mattes.empty()) plan_->matteWeightSlot = reserve(1);
+    AovMatte matte{request.name == type.name ? usual : request.name, reserve(1), plan_->matteWeightSlot, {}};
+    AovPlan::Matte& ids = plan_->mattes.emplace_back();
+    ids.slot = matte.slot;
+    std::map<std::string, std::uint32_t> names;
+    const auto addThings = [&](const std::vector<AovScene::Thing>& things, std::vector<std::uint32_t>& list) {
+      for (const AovScene::Thing& thing : things) {
+        const std::string& name = thing.*nameOf;
+        list.push_back(name.empty() ? 0 : matteId(name));
+        if (!name.empty()) names[name] = list.back();
+      }
+    };
+    addThings(scene_.objectThings, ids.objects);
+    addThings(scene_.mediumThings, ids.media);
+    for (const auto& [name, id] : names) matte.names.push_back({name, id});
+    for (std::uint32_t part = 0; part < 3; ++part) {
+      AovLayer& layer = addLayer({matte.name + "0" + std::to_string(part), request.quantity, request.location},
+                                 type.channels, AovFinish::matte, true);
+      layer.first = 2 * part;
+      layer.second = static_cast<std::uint32_t>(plan_->layout.mattes.size());
+    }
+    plan_->layout.mattes.push_back(std::move(matte));
   }
 
   /// The layer becomes that of the squares of its values, where a request asks for these.

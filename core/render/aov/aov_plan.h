@@ -36,6 +36,16 @@ struct AovPlan {
   std::vector<PathSymbol> objectSymbols;  ///< By object, that emits by its shader.
   std::vector<FeatureSlot> firstHit, firstSeen, picture;
   std::vector<SquareSlots> squares;
+  struct Matte {
+    std::uint32_t slot = 0;
+    std::vector<std::uint32_t> objects, media;  ///< Ids by object and by medium.
+  };
+  std::vector<Matte> mattes;
+  struct OutputSlot {
+    std::uint32_t site = 0, slot = 0;
+  };
+  std::vector<std::vector<OutputSlot>> outputs;  ///< By object: closure sites whose weights are shown.
+  std::uint32_t matteWeightSlot = 0;
   std::vector<std::optional<MovingTransform<World, Object>>> objectMotions;  ///< By object, for motion vectors.
 
   PathSymbol symbol(PathEvent event) const { return symbolOf(event, 0, labelCount); }
@@ -49,6 +59,16 @@ struct AovScene {
     std::string group;  ///< Empty: none.
   };
   std::vector<Source> lights, objects;
+  /// What a thing is called, and what it is made of.
+  struct Thing {
+    std::string name, material;
+  };
+  struct Output {
+    std::uint32_t object = 0, site = 0;
+    std::string name;
+  };
+  std::vector<Output> outputs;                    ///< What shaders show by `debug`.
+  std::vector<Thing> objectThings, mediumThings;  ///< By object, and by medium.
   bool tracesPaths = true;  ///< The integrator follows light paths, rather than showing distances.
 };
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/render/aov/cryptomatte.h"
 #include "core/render/sample_tree.h"
 
 namespace aerosol::render {
@@ -12,13 +13,15 @@ namespace aerosol::render {
 /// are not finite were replaced before.
 struct AovSample {
   std::vector<float> values;
+  std::vector<MatteShare> mattes;  ///< One of each Cryptomatte; id 0: nothing is seen.
   bool isCounted = true;
 
   bool isFinite() const { return isCounted; }
 };
 
 struct AovSums {
-  std::vector<double> values;  ///< Empty: all 0.
+  std::vector<double> values;       ///< Empty: all 0.
+  std::vector<MatteShares> mattes;  ///< Of each Cryptomatte; empty: nothing was seen.
 
   void add(const AovSample& sample);
   friend AovSums operator+(const AovSums& a, const AovSums& b);
@@ -27,11 +30,11 @@ struct AovSums {
 
 template <class A>
 void describe(A& archive, AovSums& sums) {
-  archive(sums.values);
+  archive(sums.values, sums.mattes);
 }
 template <class A>
 void describe(A& archive, AovSample& sample) {
-  archive(sample.values, sample.isCounted);
+  archive(sample.values, sample.mattes, sample.isCounted);
 }
 
 using AovSum = SampleTree<AovSums, AovSample>;

@@ -50,6 +50,8 @@ enum class AovKind : std::uint8_t {
   standardError,
   pictureVariance,
   sampleCount,
+  objectMatte,
+  materialMatte,
   list  ///< Stands for others.
 };
 

@@ -8,7 +8,12 @@ volume::Task<> seeMedium(PathContext& path, const volume::Medium& medium, Point<
                          Color throughput) {
   PathRecord& record = *path.record;
   if (record.hasSeen()) co_return;
-  PathRecord::Seen seen{.weight = throughput, .albedo = Color(1), .normal = {}, .distance = distance};
+  PathRecord::Seen seen{.weight = throughput,
+                        .albedo = Color(1),
+                        .normal = {},
+                        .distance = distance,
+                        .isMedium = true,
+                        .index = medium.index};
   if (record.plan().wants(AovFeature::visibleNormal) && !medium.constant) {
     const float step = std::isfinite(medium.stepSize) ? 0.5f * medium.stepSize : 0.01f * distance;
     const Vector<World> axes[] = {{step, 0, 0}, {0, step, 0}, {0, 0, step}};
@@ -28,9 +33,18 @@ volume::Task<> seeMedium(PathContext& path, const volume::Medium& medium, Point<
   record.see(seen);
 }
 
-void seeSurface(PathContext& path, const ClosureMix& closures, Normal<World> normal, float distance, Color throughput) {
+void seeSurface(PathContext& path, const ClosureMix& closures, const accel::SurfaceHit& hit, float distance,
+                Color throughput) {
   if (path.record->hasSeen()) return;
-  path.record->see({.weight = throughput, .albedo = closures.albedo(), .normal = normal, .distance = distance});
+  path.record->see({.weight = throughput,
+                    .albedo = closures.albedo(),
+                    .normal = hit.shadingNormal,
+                    .distance = distance,
+                    .index = hit.object});
+  const auto& outputs = path.record->plan().outputs;
+  if (hit.object >= outputs.size()) return;
+  for (const AovPlan::OutputSlot& output : outputs[hit.object])
+    path.record->addValue(output.slot, throughput * path.surfaceAnswer().sites[output.site].weight);
 }
 
 ScatterShares::ScatterShares(const ClosureMix& closures, Vector<World> direction, bool reflects) {

@@ -13,7 +13,9 @@ namespace aerosol::render {
 /// what is seen of it. The normal points to where the medium is thinner, found by differences of its extinction.
 volume::Task<> seeMedium(PathContext& path, const volume::Medium& medium, Point<World> point, float distance,
                          Color throughput);
-void seeSurface(PathContext& path, const ClosureMix& closures, Normal<World> normal, float distance, Color throughput);
+/// Right after the surface's shader has answered.
+void seeSurface(PathContext& path, const ClosureMix& closures, const accel::SurfaceHit& hit, float distance,
+                Color throughput);
 
 /// How a surface's closures share what they scatter into a direction.
 class ScatterShares {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 namespace aerosol::render {
 
@@ -74,6 +75,9 @@ void PathRecord::see(const Seen& seen) {
   if (hasSeen_) return;
   hasSeen_ = true;
   const float weight = average(seen.weight);
+  seenWeight_ = weight;
+  sawMedium_ = seen.isMedium;
+  seenIndex_ = seen.index;
   const Color albedo = seen.weight * seen.albedo;
   for (const AovPlan::FeatureSlot& slot : plan_.firstSeen) {
     if (slot.feature == AovFeature::visibleAlbedo) {
@@ -114,6 +118,13 @@ std::span<const float> PathRecord::finish(const Sample& sample) {
     const bool isHalf = slot.feature == AovFeature::halfA || slot.feature == AovFeature::halfB;
     const bool isIn = isHalf && (slot.feature == AovFeature::halfA) == sample.isInFirstHalf;
     if (isHalf) values_[slot.slot + 3] = isIn ? 1.0f : 0.0f;
+  }
+  if (hasSeen_ && !plan_.mattes.empty()) {
+    values_[plan_.matteWeightSlot] = seenWeight_ * sample.filterWeight;
+    for (const AovPlan::Matte& matte : plan_.mattes) {
+      const auto& ids = sawMedium_ ? matte.media : matte.objects;
+      values_[matte.slot] = seenIndex_ < ids.size() ? std::bit_cast<float>(ids[seenIndex_]) : 0.0f;
+    }
   }
   for (const AovPlan::SquareSlots& squares : plan_.squares) {
     for (std::uint32_t i = 0; i < squares.count; ++i) {

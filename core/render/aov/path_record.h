@@ -51,10 +51,15 @@ class PathRecord {
     Color weight, albedo;
     Normal<World> normal;
     float distance = 0;  ///< From where the camera's ray begins.
+    bool isMedium = false;
+    std::uint32_t index = 0;  ///< Of the object, or of the medium.
   };
   bool hasSeen() const { return hasSeen_; }
   void see(const Seen& seen);
 
+  void addValue(std::uint32_t slot, Color value) {
+    for (int c = 0; c < 3; ++c) values_[slot + static_cast<std::uint32_t>(c)] += value[c];
+  }
   void set(std::uint32_t slot, std::span<const float> values);
   const AovPlan& plan() const { return plan_; }
 
@@ -87,7 +92,9 @@ class PathRecord {
   std::vector<Weight> weights_, before_;
   Lit lit_;
   bool wentStraight_ = false;  ///< The last event was a straight one.
-  bool hasSeen_ = false;
+  bool hasSeen_ = false, sawMedium_ = false;
+  std::uint32_t seenIndex_ = 0;
+  float seenWeight_ = 0;
 };
 
 }  // namespace aerosol::render

@@ -9,6 +9,40 @@ PathEvent endAt(const Light& light) {
   return light.isInfinite() && !light.isDelta() ? PathEvent::background : PathEvent::light;
 }
 
+std::string firstOf(const std::string& id, const std::string& other) { return id.empty() ? other : id; }
+
+std::string nameOf(const scene::ShaderUse& shader) { return firstOf(shader.origin.id, shader.name); }
+
+/// What has no id is called by its kind and its number among those of its kind.
+void nameThings(const Preparation& state, AovScene& scene) {
+  const scene::SceneDescription& description = state.description;
+  for (std::size_t i = 0; i < description.shapes.size(); ++i) {
+    const scene::Shape& shape = description.shapes[i];
+    scene.objectThings.push_back(
+        {firstOf(shape.origin.id, "shape_" + std::to_string(i + 1)), nameOf(description.materials[shape.material])});
+  }
+  scene.mediumThings.resize(state.scene->media.size());
+  for (std::size_t i = 0; i < scene.mediumThings.size(); ++i) {
+    const std::string medium =
+        i < state.placements.size() ? nameOf(description.media[state.placements[i].medium].shader) : "medium";
+    scene.mediumThings[i] = {medium, medium};
+  }
+  const auto rename = [&](const volume::Medium* medium, const std::string& name) {
+    if (medium && medium->index < scene.mediumThings.size()) scene.mediumThings[medium->index].name = name;
+  };
+  for (std::size_t i = 0; i < description.shapes.size(); ++i) {
+    rename(state.scene->objects[i].interior, scene.objectThings[i].name);
+  }
+  for (std::size_t i = 0; i < description.volumes.size(); ++i) {
+    const std::string name = firstOf(description.volumes[i].origin.id, "volume_" + std::to_string(i + 1));
+    const std::string material = scene.mediumThings[state.scene->volumes[i]->index].material;
+    for (const volume::Medium* medium : {state.scene->volumes[i], state.scene->cameraVolumes[i]}) {
+      rename(medium, name);
+      scene.mediumThings[medium->index].material = material;
+    }
+  }
+}
+
 /// Emitters of the scene come first among the lights, then those of shapes, then media.
 AovScene describeSources(const Preparation& state) {
   const LightSet& lights = state.scene->lights;
@@ -22,6 +56,10 @@ AovScene describeSources(const Preparation& state) {
   for (const scene::Shape& shape : state.description.shapes) {
     if (shape.emitter) add(shape.emitter->lightGroup.empty() ? shape.lightGroup : shape.emitter->lightGroup);
     sources.objects.push_back({PathEvent::object, shape.lightGroup});
+  }
+  nameThings(state, sources);
+  for (std::uint32_t i = 0; i < state.scene->objects.size(); ++i) {
+    for (const auto& [site, name] : state.scene->objects[i].outputs) sources.outputs.push_back({i, site, name});
   }
   while (sources.lights.size() < lights.size()) add({});
   return sources;

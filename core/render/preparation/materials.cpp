@@ -97,6 +97,23 @@ void checkSite(Preparation& state, const lang::Program& program, std::uint32_t i
   }
 }
 
+/// The name of an output, which has to be known before the render.
+void findOutput(Preparation& state, const lang::Program& program, std::uint32_t site, PreparedObject& object) {
+  for (const lang::Output& output : program.outputs) {
+    if (output.kind != lang::OutputKind::siteParameter || output.index != site) continue;
+    const lang::Variable& variable = program.variables[output.variable];
+    const auto* text = std::get_if<std::vector<std::string>>(&variable.value);
+    if (variable.storage != lang::Storage::constant || !text || text->size() != 1) break;
+    object.outputs.push_back({site, text->front()});
+    return;
+  }
+  state.appendNew(Diagnostic{Severity::error,
+                             program.locations[program.closureSites[site].location],
+                             "the name of an output has to be known before the render",
+                             {},
+                             {"write it as text, or as a parameter that nothing feeds"}});
+}
+
 }  // namespace
 
 void bindMaterials(Preparation& state) {
@@ -140,6 +157,8 @@ void describeMaterial(Preparation& state, PreparedObject& object) {
     if (isLayered) object.layers.push_back(site.layers);
     const auto index = static_cast<std::uint32_t>(i);
     checkSite(state, folded, index, object.closures[i]);
+    if (object.closures[i] && object.closures[i]->kind() == ClosureKind::output)
+      findOutput(state, folded, index, object);
     const bool isInterior = object.closures[i] && object.closures[i]->kind() == ClosureKind::interior;
     if (isInterior && !isWeightless(folded, index)) state.scene->nestsMedia = true;
     const bool isBody = object.closures[i] && object.closures[i]->kind() == ClosureKind::subsurface;

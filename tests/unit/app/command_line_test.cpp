@@ -194,10 +194,11 @@ TEST(CommandLine, RefusesWithAHint) {
   EXPECT_EQ(refusal({"render", "a.xml", "--sp", "4"}),
             "aerosol: error: unknown option '--sp'\n  note: did you mean '--spp', '--isa' or '--set'?\n");
   EXPECT_EQ(refusal({"rendr", "a.xml"}), "aerosol: error: unknown command 'rendr'\n  note: did you mean 'render'?\n");
-  EXPECT_EQ(refusal({"paint"}),
-            "aerosol: error: unknown command 'paint'\n  note: commands are render, bake, merge, study, plan, check, "
-            "doctor, submit, "
-            "compile, info, shade, help\n");
+  EXPECT_EQ(
+      refusal({"paint"}),
+      "aerosol: error: unknown command 'paint'\n  note: commands are render, bake, merge, denoise, study, plan, check, "
+      "doctor, submit, "
+      "compile, info, shade, help\n");
   EXPECT_EQ(refusal({"render", "a.xml", "b.xml"}),
             "aerosol: error: unexpected argument 'b.xml'\n  note: see: aerosol help render\n");
   EXPECT_THAT(refusal({"render"}), HasSubstr("scene is required"));

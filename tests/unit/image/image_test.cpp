@@ -284,6 +284,50 @@ colorspaces:
     from_reference: !<MatrixTransform> {matrix: [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1], offset: [1, 1, 1, 0]}
 )";
 
+/// The file that other programs are given says what the built-in config says.
+TEST_F(Image, ShippedConfigIsTheBuiltInOne) {
+  ImageBuffer image = picture(4, 1, {"R", "G", "B"});
+  image.pixels = {0.18f, 0.3f, 0.1f, 1, 0, 0, 4, 5, 6, 0.001f, 0, 0.02f};
+  for (const char* space : {"lin_rec709", "ACEScg"}) {
+    for (const char* view : {"sRGB", "ACES 1.0 SDR", "Raw"}) {
+      WriteOptions options;
+      options.pixelType = PixelType::uint16;
+      options.display.view = view;
+      options.display.workingSpace = space;
+      ASSERT_TRUE(writeImage(path("a.png"), image, options));
+      options.display.config = AEROSOL_SOURCE_DIR "/color/aerosol.ocio";
+      const auto report = writeImage(path("b.png"), image, options);
+      ASSERT_TRUE(report) << messageOf(report.errors());
+      EXPECT_EQ(readImage(path("a.png"))->pixels, readImage(path("b.png"))->pixels) << space << ' ' << view;
+    }
+  }
+}
+
+/// Layers keep their names, their precision and their notes; the picture may have less.
+TEST_F(Image, LayersArePartsOfTheFile) {
+  ImageBuffer image = picture(2, 1, {"R", "G", "B"});
+  image.layers.push_back({"direct", {"direct.R", "direct.G", "direct.B"}, {1.0001f, 2, 1e6f, 3, 4, 5}, false, {}});
+  image.layers.push_back({"depth", {"depth.T"}, {1.00001f, 1e7f}, true, {{"about", std::string("metres")}}});
+  image.attachment = "bytes";
+  WriteOptions options;
+  options.pixelType = PixelType::float16;
+  ASSERT_TRUE(writeImage(path("a.exr"), image, options));
+  const auto back = readImage(path("a.exr"));
+  ASSERT_TRUE(back) << messageOf(back.errors());
+  EXPECT_EQ(back->channels, image.channels);
+  EXPECT_EQ(back->attachment, "bytes");
+  ASSERT_EQ(back->layers.size(), 2u);
+  EXPECT_EQ(back->layers[0].name, "direct");
+  EXPECT_EQ(back->layers[0].channels, image.layers[0].channels);
+  EXPECT_EQ(back->layers[0].pixels, (std::vector<float>{1, 2, 65504, 3, 4, 5}));
+  EXPECT_EQ(back->layers[1].pixels, image.layers[1].pixels);
+  bool isNoted = false;
+  for (const Metadata& entry : back->layers[1].metadata) isNoted = isNoted || entry == image.layers[1].metadata[0];
+  EXPECT_TRUE(isNoted);
+  image.layers[0].pixels.pop_back();
+  EXPECT_FALSE(writeImage(path("b.exr"), image));
+}
+
 TEST_F(Image, OwnConfigIsUsedFromOptionOrEnvironment) {
   std::ofstream(path("config.ocio")) << testConfig;
   ImageBuffer image = picture(1, 1, {"R", "G", "B"});

@@ -49,6 +49,11 @@ TEST(AovPlan, RefusesByNameAndPlace) {
   EXPECT_THAT(errorsOf({{"x", "CRD", place}}), HasSubstr("no light path matches 'CRD'"));
   EXPECT_THAT(errorsOf({{"x", "C<L'key'>D*", place}}), testing::IsEmpty());
   EXPECT_THAT(errorsOf({{"x", "(D|R)*L", place}}), HasSubstr("a path begins with C"));
+  AovScene shown = someScene();
+  EXPECT_THAT(errorsOf({{"x", "debug:wet", place}}, shown), HasSubstr("no shader of the scene calls debug()"));
+  shown.outputs = {{0, 1, "dry"}};
+  EXPECT_THAT(errorsOf({{"x", "debug:wet", place}}, shown), HasSubstr("no shader has the output 'wet'"));
+  EXPECT_EQ(errorsOf({{"debug:dry", "debug:dry", place}}, shown), "");
   AovScene dark = someScene();
   dark.lights[0].group = dark.objects[0].group = "";
   EXPECT_THAT(errorsOf({{"g", "light_groups", place}}, dark), HasSubstr("no light of the scene is in a group"));
