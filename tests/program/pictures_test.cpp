@@ -121,7 +121,7 @@ TEST_F(Pictures, LoseTheirNoise) {
 }
 
 TEST_F(Pictures, AreShownAsTheConfigSays) {
-  const std::string config = AEROSOL_SOURCE_DIR "/color/aerosol.ocio";
+  const std::string config = AEROSOL_SOURCE_DIR "/core/image/aerosol.ocio";
   const std::vector<std::string> render = {"render", "ball.xml", "--spp", "4", "-q"};
   const auto rendered = [&](const std::string& name, const std::vector<std::string>& options) {
     std::vector<std::string> words = render;

@@ -295,7 +295,7 @@ TEST_F(Image, ShippedConfigIsTheBuiltInOne) {
       options.display.view = view;
       options.display.workingSpace = space;
       ASSERT_TRUE(writeImage(path("a.png"), image, options));
-      options.display.config = AEROSOL_SOURCE_DIR "/color/aerosol.ocio";
+      options.display.config = AEROSOL_SOURCE_DIR "/core/image/aerosol.ocio";
       const auto report = writeImage(path("b.png"), image, options);
       ASSERT_TRUE(report) << messageOf(report.errors());
       EXPECT_EQ(readImage(path("a.png"))->pixels, readImage(path("b.png"))->pixels) << space << ' ' << view;
