@@ -77,10 +77,10 @@ expect 0 render mist.xml --quiet --shader-path shaders --shader-path nowhere
 said err "'nowhere', where shaders are to be looked for, is no folder"
 
 echo "-- values beyond a parameter's range are used, with a warning"
-sed 's/float density = 4/float density = 4 [[ float min = 0, float max = 6 ]]/; s/volume fog/volume ranged/' "$input/fog.osl" >ranged.osl
+sed 's/float density = 4/float density = 4 [[ float min = 0, float max = 4 ]]/; s/volume fog/volume ranged/' "$input/fog.osl" >ranged.osl
 sed 's/type="fog"/type="ranged"/' "$input/fog.xml" >ranged.xml
 expect 0 render ranged.xml -o a.exr --spp 1 --quiet --set fog.density=7
-said err "parameter 'density' of shader 'ranged' is 7; the shader is made for values from 0 to 6"
+said err "parameter 'density' of shader 'ranged' is 7; the shader is made for values from 0 to 4"
 expect 0 render ranged.xml -o a.exr --spp 1 --quiet --set fog.density=4
 silent err
 
