@@ -4,6 +4,7 @@
 
 #include "core/lang/checker.h"
 #include "core/lang/overload.h"
+#include "core/lang/root_expression.h"
 #include "core/lang/texture_options.h"
 
 namespace aerosol::lang {
@@ -211,16 +212,7 @@ Type Checker::checkCall(Expression& expression, Call& call, const Type& expected
 /// A function that writes one of its inputs writes the variable that is passed for it.
 void Checker::markWritten(const VariableDeclaration& formal, const Expression& argument) {
   if (!formal.isAssigned) return;
-  const Expression* root = &argument;
-  while (true) {
-    if (const auto* index = std::get_if<Index>(&root->node)) {
-      root = index->base.get();
-    } else if (const auto* field = std::get_if<Field>(&root->node)) {
-      root = field->base.get();
-    } else {
-      break;
-    }
-  }
+  const Expression* const root = &rootOf(argument);
   const auto* name = std::get_if<Name>(&root->node);
   if (name && name->declaration && !name->declaration->isGlobal) name->declaration->isAssigned = true;
 }

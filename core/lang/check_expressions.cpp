@@ -3,6 +3,7 @@
 
 #include "core/lang/checker.h"
 #include "core/lang/overload.h"
+#include "core/lang/root_expression.h"
 
 namespace aerosol::lang {
 
@@ -136,16 +137,7 @@ Type Checker::checkName(Expression& expression, Name& name) {
 }
 
 bool Checker::checkWritable(const Expression& target) {
-  const Expression* root = &target;
-  while (true) {
-    if (const auto* index = std::get_if<Index>(&root->node)) {
-      root = index->base.get();
-    } else if (const auto* field = std::get_if<Field>(&root->node)) {
-      root = field->base.get();
-    } else {
-      break;
-    }
-  }
+  const Expression* const root = &rootOf(target);
   const auto* name = std::get_if<Name>(&root->node);
   if (!name) {
     if (!isPoisoned(root->type)) error(target.position, "this expression cannot be assigned to: it is not a variable");

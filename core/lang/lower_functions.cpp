@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/lang/lowerer.h"
+#include "core/lang/root_expression.h"
 
 namespace aerosol::lang {
 
@@ -110,16 +111,7 @@ Value Lowerer::lowerCall(const Expression& expression, const Call& called) {
 }
 
 bool Lowerer::isVariable(const Expression& expression, const Type& type) const {
-  const Expression* root = &expression;
-  while (true) {
-    if (const auto* index = std::get_if<Index>(&root->node)) {
-      root = index->base.get();
-    } else if (const auto* field = std::get_if<Field>(&root->node)) {
-      root = field->base.get();
-    } else {
-      break;
-    }
-  }
+  const Expression* const root = &rootOf(expression);
   const auto* name = std::get_if<Name>(&root->node);
   if (!name || !name->declaration || name->declaration->isGlobal) return false;
   const Type from = expression.type.element(), to = type.element();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/lang/builtins.h"
+#include "core/lang/root_expression.h"
 
 namespace aerosol::lang {
 
@@ -18,17 +19,8 @@ namespace {
 using Variables = std::unordered_set<const VariableDeclaration*>;
 
 /// The variable that an index, a field or a name picks from; null for other expressions.
-const VariableDeclaration* rootOf(const Expression& expression) {
-  const Expression* root = &expression;
-  while (true) {
-    if (const auto* index = std::get_if<Index>(&root->node)) {
-      root = index->base.get();
-    } else if (const auto* field = std::get_if<Field>(&root->node)) {
-      root = field->base.get();
-    } else {
-      break;
-    }
-  }
+const VariableDeclaration* rootVariable(const Expression& expression) {
+  const Expression* const root = &rootOf(expression);
   const auto* name = std::get_if<Name>(&root->node);
   return name ? name->declaration : nullptr;
 }
@@ -184,7 +176,7 @@ class Usage {
       use(name->declaration, expression.position);
     } else if (const auto* unary = std::get_if<Unary>(&node)) {
       valueOf(*unary->operand);
-      if (unary->op >= UnaryOp::preIncrement) set(rootOf(*unary->operand));
+      if (unary->op >= UnaryOp::preIncrement) set(rootVariable(*unary->operand));
     } else if (const auto* binary = std::get_if<Binary>(&node)) {
       valueOf(*binary->left);
       if (binary->op == BinaryOp::logicalAnd || binary->op == BinaryOp::logicalOr) {
@@ -220,7 +212,7 @@ class Usage {
     if (assign.compound) valueOf(*assign.target);
     indicesOf(*assign.target);
     initial(*assign.value);
-    set(rootOf(*assign.target));
+    set(rootVariable(*assign.target));
   }
 
   /// The indices within what is written.
@@ -249,7 +241,7 @@ class Usage {
     std::vector<const VariableDeclaration*> written;
     for (std::size_t i = 0; i < call.arguments.size(); ++i) {
       const Expression& argument = *call.arguments[i];
-      const VariableDeclaration* root = isOutput(i) ? rootOf(argument) : nullptr;
+      const VariableDeclaration* root = isOutput(i) ? rootVariable(argument) : nullptr;
       if (!root) {
         valueOf(argument);
         continue;
