@@ -17,6 +17,7 @@
 #include "core/jit/compiler.h"
 #include "core/lang/compile.h"
 #include "tests/bench/reference.h"
+#include "tests/support/scratch_folder.h"
 
 namespace aerosol::bench {
 
@@ -236,19 +237,17 @@ void runCompile(benchmark::State& state, const std::string& name, int width, jit
 }
 
 void runCached(benchmark::State& state, const std::string& name, int width, jit::Isa isa) {
-  std::string folder = (std::filesystem::temp_directory_path() / "aerosol_bench_XXXXXX").string();
-  if (!::mkdtemp(folder.data())) throw std::runtime_error("no temporary folder");
+  const test::ScratchFolder folder;
   {
     jit::KernelRequest request = requestFor(name, width, isa);
     request.programHash = jit::hashProgram(*request.program);
-    const auto cached = valueOf(jit::Compiler::create({{}, valueOf(jit::ObjectCache::open(folder))}));
+    const auto cached = valueOf(jit::Compiler::create({{}, valueOf(jit::ObjectCache::open(folder.path()))}));
     valueOf(cached->compile(request));
     for (auto _ : state) {
       const auto kernel = cached->load(request);
       if (!kernel) state.SkipWithError("not in the cache");
     }
   }
-  std::filesystem::remove_all(folder);
 }
 
 int registerAll() {

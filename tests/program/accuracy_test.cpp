@@ -44,11 +44,7 @@ class Accuracy : public testing::Test {
     EXPECT_EQ(outcome.code, expected) << outcome.err;
     return outcome;
   }
-  image::ImageBuffer picture(const std::string& name) const {
-    auto read = image::readImage(folder_.path(name));
-    if (!read) ADD_FAILURE() << format(read.errors());
-    return read ? std::move(*read) : image::ImageBuffer{};
-  }
+  image::ImageBuffer picture(const std::string& name) const { return folder_.picture(name); }
   int samplesOf(const std::string& name) const {
     for (const image::Metadata& entry : picture(name).metadata) {
       if (entry.key == "aerosol:endSample") return std::get<std::int32_t>(entry.value);

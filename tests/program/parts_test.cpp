@@ -50,14 +50,7 @@ class Parts : public testing::Test {
     EXPECT_EQ(outcome.code, expected) << outcome.err;
     return outcome;
   }
-  image::ImageBuffer picture(const std::string& name) const {
-    auto read = image::readImage(folder_.path(name));
-    if (!read) {
-      ADD_FAILURE() << format(read.errors());
-      return {};
-    }
-    return std::move(*read);
-  }
+  image::ImageBuffer picture(const std::string& name) const { return folder_.picture(name); }
   bool samePixels(const std::string& a, const std::string& b) const {
     const image::ImageBuffer p = picture(a), q = picture(b);
     return p.width == q.width && p.height == q.height && p.originX == q.originX && p.originY == q.originY &&

@@ -37,14 +37,7 @@ class Pictures : public testing::Test {
     EXPECT_EQ(outcome.code, expected) << outcome.err;
     return outcome;
   }
-  image::ImageBuffer picture(const std::string& name) const {
-    auto read = image::readImage(folder_.path(name));
-    if (!read) {
-      ADD_FAILURE() << format(read.errors());
-      return {};
-    }
-    return std::move(*read);
-  }
+  image::ImageBuffer picture(const std::string& name) const { return folder_.picture(name); }
 
   ProgramFolder folder_;
 };

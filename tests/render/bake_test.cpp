@@ -7,6 +7,7 @@
 #include "core/app/run.h"
 #include "core/grid/grid_file.h"
 #include "tests/render/stills.h"
+#include "tests/support/scratch_folder.h"
 
 // aerosol bake: baked media against the shaders that they are made of.
 
@@ -17,13 +18,6 @@ namespace fs = std::filesystem;
 
 class Bake : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "aerosol_bake_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   /// Runs the command; its words are separated by blanks. What it says.
   app::ExitCode run(const std::string& words, std::string& said) const {
     std::vector<std::string> arguments;
@@ -45,7 +39,8 @@ class Bake : public ::testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  fs::path folder_;
+  ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path();
 };
 
 const std::string light = R"(<emitter type="constant"><rgb name="radiance" value="0.4"/></emitter>

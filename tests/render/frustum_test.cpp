@@ -7,6 +7,7 @@
 #include "core/app/run.h"
 #include "core/grid/grid_file.h"
 #include "tests/render/stills.h"
+#include "tests/support/scratch_folder.h"
 
 // Voxels in the frustum of a camera, baked and rendered, against the shaders that they are made of.
 
@@ -18,15 +19,11 @@ namespace fs = std::filesystem;
 class Frustums : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "aerosol_frustum_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
     writeCamera("camera.xml", R"(<sensor type="perspective"><transform name="to_world">
       <lookat origin="0.6, 0.3, -4" target="0.1, 0, 0" up="0, 1, 0"/></transform><float name="fov" value="30"/>
       <float name="principal_point_offset_x" value="0.05"/>
       <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="48"/></film></sensor>)");
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   void writeCamera(const std::string& name, const std::string& sensor) const {
     std::ofstream(path(name)) << "<scene version=\"3.0.0\">" << sensor << "</scene>";
@@ -66,7 +63,8 @@ class Frustums : public ::testing::Test {
     <emitter type="directional"><vector name="direction" x="1" y="-1" z="1"/></emitter>)";
   inline static const std::string ball = " --set soft=1 --set density=6 --set albedo=0.8 ";
 
-  fs::path folder_;
+  ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path();
 };
 
 TEST_F(Frustums, BakedAndScriptedAgree) {

@@ -4,6 +4,7 @@
 
 #include "core/grid/grid_writer.h"
 #include "tests/render/stills.h"
+#include "tests/support/scratch_folder.h"
 
 // Blur by velocity: a streak in closed form, against its translated copy, against stills.
 
@@ -166,9 +167,8 @@ void writeBall(const std::string& path, std::array<float, 3> velocity) {
 
 /// The streak leaves the stored voxels: blocks are where matter is carried, and velocities go on there.
 TEST(VelocityGrid, ATranslatedCopy) {
-  std::string pattern = (std::filesystem::temp_directory_path() / "aerosol_velocity_XXXXXX").string();
-  ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-  const std::string file = pattern + "/ball.vdb";
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "ball.vdb").string();
   writeBall(file, {1.4f, 0.3f, 0});
   const std::string medium = fmt::format(R"(<medium type="baked"><string name="filename" value="{}"/>
       <rgb name="albedo" value="0.5"/></medium></volume>)",
@@ -185,7 +185,6 @@ TEST(VelocityGrid, ATranslatedCopy) {
       <transform time="1"><translate value="1.05, 0.225, 0"/></transform></animation>)" +
                                         medium);
   EXPECT_TRUE(showTheSame(*blurred.render(2048), *moved.render(2048)));
-  std::filesystem::remove_all(pattern);
 }
 
 }  // namespace

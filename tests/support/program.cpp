@@ -37,19 +37,19 @@ std::string contentOf(const fs::path& file) {
 
 }  // namespace
 
-ProgramFolder::ProgramFolder() {
-  std::string name = (fs::temp_directory_path() / "aerosol-test-XXXXXX").string();
-  folder_ = mkdtemp(name.data());
-}
-
 ProgramFolder::~ProgramFolder() {
   std::error_code ignored;
-  fs::remove_all(folder_, ignored);
   for (const char* stream : {".out", ".err"}) fs::remove(folder_.string() + stream, ignored);
 }
 
 void ProgramFolder::write(const std::string& name, const std::string& text) const {
   std::ofstream(folder_ / name, std::ios::binary) << text;
+}
+
+image::ImageBuffer ProgramFolder::picture(const std::string& name) const {
+  auto read = image::readImage(path(name));
+  if (!read) ADD_FAILURE() << format(read.errors());
+  return read ? std::move(*read) : image::ImageBuffer{};
 }
 
 std::string ProgramFolder::read(const std::string& name) const { return contentOf(folder_ / name); }

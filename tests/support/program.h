@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/image/image.h"
+#include "tests/support/scratch_folder.h"
+
 namespace aerosol::test {
 
 struct Outcome {
@@ -17,7 +20,7 @@ struct Outcome {
 /// An empty folder in which the program is run; removed at the end. Kernels come from the tests' common cache.
 class ProgramFolder {
  public:
-  ProgramFolder();
+  ProgramFolder() = default;
   ~ProgramFolder();
   ProgramFolder(const ProgramFolder&) = delete;
   ProgramFolder& operator=(const ProgramFolder&) = delete;
@@ -29,11 +32,15 @@ class ProgramFolder {
   /// Names of all files, ascending.
   std::vector<std::string> files() const;
 
+  /// The image in a file; a failure of the test, and an empty image, where it cannot be read.
+  image::ImageBuffer picture(const std::string& name) const;
+
   /// Runs `aerosol ARGUMENTS`; after `killAfter` the process is killed, unless it has ended before.
   Outcome run(const std::vector<std::string>& arguments, std::optional<std::chrono::milliseconds> killAfter = {}) const;
 
  private:
-  std::filesystem::path folder_;
+  ScratchFolder scratch_;
+  std::filesystem::path folder_ = scratch_.path();
 };
 
 }  // namespace aerosol::test

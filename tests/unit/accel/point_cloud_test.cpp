@@ -11,6 +11,7 @@
 #include <random>
 
 #include "core/accel/point_writer.h"
+#include "tests/support/scratch_folder.h"
 
 namespace aerosol::accel {
 
@@ -20,13 +21,6 @@ namespace fs = std::filesystem;
 
 class PointFiles : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "aerosol_points_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Result<std::shared_ptr<const PointCloud>> read(const std::string& name, const std::string& content) {
     const std::string path = (folder_ / name).string();
     std::ofstream(path, std::ios::binary) << content;
@@ -40,7 +34,8 @@ class PointFiles : public testing::Test {
     return std::to_string(error.location.line) + ":" + std::to_string(error.location.column) + ": " + error.message;
   }
 
-  fs::path folder_;
+  test::ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path();
 };
 
 PointAttribute floats(const std::string& name, int components, std::vector<float> values) {

@@ -1,6 +1,7 @@
 // Voxel data: lookups against OpenVDB's own, ranges against dense sampling, damaged files.
 
 #include "core/grid/grid_file.h"
+#include "tests/support/scratch_folder.h"
 
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
@@ -21,13 +22,7 @@ using openvdb::Vec3d;
 
 class Grids : public testing::Test {
  protected:
-  void SetUp() override {
-    openvdb::initialize();
-    std::string pattern = (fs::temp_directory_path() / "aerosol_grids_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { openvdb::initialize(); }
 
   std::string write(const openvdb::GridCPtrVec& grids, const std::string& name = "a.vdb") {
     const std::string path = (folder_ / name).string();
@@ -43,7 +38,8 @@ class Grids : public testing::Test {
     return file ? *file : nullptr;
   }
 
-  fs::path folder_;
+  test::ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path();
 };
 
 /// Blobs of leaves, single voxels and tiles around the origin, on both sides of 0.

@@ -9,6 +9,7 @@
 #include "core/grid/grid_file.h"
 #include "core/grid/temporal_curve.h"
 #include "core/grid/temporal_file.h"
+#include "tests/support/scratch_folder.h"
 
 namespace aerosol::grid {
 namespace {
@@ -65,13 +66,6 @@ TEST(FitCurve, KeepsNoMoreThanItNeeds) {
 
 class TemporalFiles : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "aerosol_temporal_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   static float valueAt(int channel, double x, double y, double z, double t) {
     const double r = std::hypot(x - 10 - 8 * t, y + 3, z - 5);
     return static_cast<float>(std::max(0.0, 6 - r) * (1 + channel));
@@ -108,7 +102,8 @@ class TemporalFiles : public testing::Test {
     return path;
   }
 
-  fs::path folder_;
+  test::ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path();
 };
 
 TEST_F(TemporalFiles, LookupsAreTheSamples) {

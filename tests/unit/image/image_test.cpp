@@ -1,6 +1,7 @@
 // Image files: what is written is read back, displays get the right values, and nothing half-written is left behind.
 
 #include "core/image/image.h"
+#include "tests/support/scratch_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -22,23 +23,15 @@ namespace fs = std::filesystem;
 /// A folder of its own for each test, removed afterwards; $OCIO unset.
 class Image : public testing::Test {
  protected:
-  void SetUp() override {
-    unsetenv("OCIO");
-    std::string pattern = (fs::temp_directory_path() / "aerosol_image_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override {
-    unsetenv("OCIO");
-    fs::permissions(folder_, fs::perms::owner_all);
-    fs::remove_all(folder_);
-  }
+  void SetUp() override { unsetenv("OCIO"); }
+  void TearDown() override { unsetenv("OCIO"); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::size_t fileCount() const {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
 
-  fs::path folder_;
+  test::ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path();
 };
 
 ImageBuffer picture(int width, int height, std::vector<std::string> channels) {

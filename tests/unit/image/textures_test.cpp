@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "core/image/image.h"
+#include "tests/support/scratch_folder.h"
 
 namespace aerosol::image {
 
@@ -18,16 +19,10 @@ namespace fs = std::filesystem;
 
 class Textures : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "aerosol_textures_XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    open({});
-  }
+  void SetUp() override { open({}); }
   void TearDown() override {
     session_.reset();
     source_.reset();
-    fs::remove_all(folder_);
   }
 
   void open(const TextureSettings& settings) {
@@ -73,7 +68,8 @@ class Textures : public testing::Test {
     return point;
   }
 
-  fs::path folder_;
+  test::ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path();
   std::unique_ptr<TextureSource> source_;
   std::unique_ptr<TextureSession> session_;
   std::vector<TextureFailure> failures_;

@@ -12,6 +12,7 @@
 #include <functional>
 #include <thread>
 
+#include "tests/support/scratch_folder.h"
 #include "tests/unit/jit/kernel_runner.h"
 #include "tests/unit/jit/program_builder.h"
 
@@ -24,13 +25,6 @@ namespace {
 /// A folder that goes with the test.
 class ObjectCacheTest : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "aerosol_cache_XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    root_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(root_); }
-
   std::shared_ptr<ObjectCache> open(std::uint64_t bytes = 1u << 20) {
     auto cache = ObjectCache::open(root_ / "aerosol", bytes);
     EXPECT_TRUE(cache) << format(cache.errors());
@@ -40,7 +34,8 @@ class ObjectCacheTest : public testing::Test {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(root_ / "aerosol"), {}));
   }
 
-  fs::path root_;
+  aerosol::test::ScratchFolder scratch_;
+  fs::path root_ = scratch_.path();
 };
 
 TEST_F(ObjectCacheTest, givesBackWhatWasPut) {
