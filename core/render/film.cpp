@@ -7,6 +7,8 @@
 #include <string>
 #include <tuple>
 
+#include "core/render/pixel_error.h"
+
 namespace aerosol::render {
 
 void FilmTile::reset(const PixelRect& area, std::uint32_t firstSample, std::uint32_t endSample,
@@ -135,6 +137,7 @@ Diagnostics Film::merge(const Film& other) {
       if (!aovs_.empty()) aovs_[area_.indexOf(x, y)].merge(other.aovs(x, y));
     }
   }
+  isScrambled_ = isScrambled_ || other.isScrambled_;
   recordDropped(other.dropped_);
   return errors;
 }
@@ -147,12 +150,11 @@ PixelEstimate Film::estimate(int x, int y) const {
   const SampleSums total = sum.total();
   const double n = sum.count();
   estimate.alpha = static_cast<float>(total.alpha / n);
+  const std::array<double, 3> squares = squaredErrors(sum, total, isScrambled_, scrambleCount);
   for (int c = 0; c < 3; ++c) {
     const auto i = static_cast<std::size_t>(c);
-    const double mean = total.color[i] / n;
-    estimate.color[c] = static_cast<float>(mean);
-    const double scatter = std::max(0.0, total.squares[i] - mean * total.color[i]);
-    if (n > 1) estimate.standardError[c] = static_cast<float>(std::sqrt(scatter / (n * (n - 1))));
+    estimate.color[c] = static_cast<float>(total.color[i] / n);
+    estimate.standardError[c] = static_cast<float>(std::sqrt(squares[i]));
   }
   return estimate;
 }

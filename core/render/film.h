@@ -78,7 +78,8 @@ void describe(A& archive, DroppedSample& place) {
           place.value.alpha);
 }
 
-/// Mean and standard error of the mean of one pixel; all 0 without samples, the error with fewer than two.
+/// Mean and standard error of the mean of one pixel (see pixel_error.h); all 0 without samples, the error with fewer
+/// than two.
 struct PixelEstimate {
   Color color;
   float alpha = 0;
@@ -97,6 +98,9 @@ class Film {
 
   const PixelRect& area() const { return area_; }
   const AovLayout& layout() const { return layout_; }
+  /// Whether samples are stratified against each other, scramble by scramble (scrambles.h).
+  bool isScrambled() const { return isScrambled_; }
+  void setScrambled(bool isScrambled) { isScrambled_ = isScrambled; }
 
   /// Adds what the tile holds, also when samples are missing. No sample may be there already.
   void commit(const FilmTile& tile);
@@ -139,6 +143,7 @@ class Film {
   mutable std::mutex droppedMutex_;
   std::vector<DroppedSample> dropped_;
   std::uint64_t replacedAovs_ = 0;
+  bool isScrambled_ = false;
 };
 
 }  // namespace aerosol::render

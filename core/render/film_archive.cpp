@@ -11,7 +11,7 @@ namespace aerosol::render {
 namespace {
 
 /// Changes with the layout.
-constexpr std::uint64_t magic = 0x326d6c69466f7265;  // "eroFilm2"
+constexpr std::uint64_t magic = 0x336d6c69466f7265;  // "eroFilm3"
 
 template <class A>
 void describe(A& archive, PixelRect& rect) {
@@ -65,9 +65,10 @@ FilmWriter::FilmWriter(const Film& film) {
   std::uint64_t first = magic;
   PixelRect rect = film.area();
   AovLayout layout = film.layout();
+  bool isScrambled = film.isScrambled();
   archive_(first);
   describe(archive_, rect);
-  archive_(layout);
+  archive_(layout, isScrambled);
 }
 
 void FilmWriter::add(const Film& film, const PixelRect& part) {
@@ -112,7 +113,8 @@ Result<std::unique_ptr<Film>> decodeFilm(std::string_view bytes) {
   archive(first);
   describe(archive, area);
   AovLayout layout;
-  archive(layout);
+  bool isScrambled = false;
+  archive(layout, isScrambled);
   constexpr int largest = 1 << 24;
   const bool isArea = area.x0 < area.x1 && area.y0 < area.y1 && area.x0 >= -largest && area.y0 >= -largest &&
                       area.x1 <= largest && area.y1 <= largest;
@@ -120,6 +122,7 @@ Result<std::unique_ptr<Film>> decodeFilm(std::string_view bytes) {
   if (first != magic || !isArea || area.pixelCount() > bytes.size() / leastBytes) return damaged();
   if (!layout.isSound()) return damaged();
   auto film = std::make_unique<Film>(area, std::move(layout));
+  film->setScrambled(isScrambled);
   if (!readParts(archive, *film)) return damaged();
   std::vector<DroppedSample> dropped;
   archive(dropped);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/render/pixel_error.h"
+
 namespace aerosol::render {
 
 void FilmError::add(const Film& film, const PixelRect& part) {
@@ -15,10 +17,10 @@ void FilmError::add(const Film& film, const PixelRect& part) {
       if (n < 2) continue;
       ++known_;
       const SampleSums total = pixel.total();
+      const std::array<double, 3> squares = squaredErrors(pixel, total, film.isScrambled(), 2);
       for (std::size_t c = 0; c < 3; ++c) {
-        const double mean = total.color[c] / n;
-        values_ += std::fabs(mean);
-        squares_ += std::max(0.0, total.squares[c] - mean * total.color[c]) / (n * (n - 1));
+        values_ += std::fabs(total.color[c] / n);
+        squares_ += squares[c];
       }
     }
   }

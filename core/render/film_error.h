@@ -15,8 +15,9 @@ class FilmError {
   /// The root mean square over pixels and channels of the standard error, as a part of the mean value of the image; 0
   /// where nothing is known: fewer than two samples, or a black image.
   ///
-  /// Each pixel's error comes from the scatter of its samples as if they were independent. Those of a low-discrepancy
-  /// sampler are stratified: their error is smaller, and this a bound on it.
+  /// Each pixel's error comes from what its samples scatter: independent ones one by one, those of a low-discrepancy
+  /// sampler scramble by scramble. From 16 samples on a pixel has two scrambles, so even the smallest image at which a
+  /// decision is made (firstErrorDecision) has thousands. With fewer samples it is a bound.
   double relative() const;
   /// Samples of a pixel, in the mean.
   double meanSamples() const { return pixels_ > 0 ? samples_ / static_cast<double>(pixels_) : 0; }

@@ -6,6 +6,7 @@
 
 #include "core/base/color.h"
 #include "core/render/sample_tree.h"
+#include "core/render/scrambles.h"
 
 namespace aerosol::render {
 
@@ -22,8 +23,11 @@ struct SampleSums {
   std::array<double, 3> color{};
   double alpha = 0;
   std::array<double, 3> squares{};
+  /// Contrasts between the scrambles, in units of `contrastUnit`: errors need no more digits, and no sum overflows.
+  std::array<std::array<float, 3>, contrastCount> contrasts{};
+  static constexpr float contrastUnit = 0x1p32f;
 
-  void add(const PixelSample& sample);
+  void add(const PixelSample& sample, std::uint32_t index);
   friend SampleSums operator+(const SampleSums& a, const SampleSums& b);
   friend bool operator==(const SampleSums&, const SampleSums&) = default;
 };
@@ -33,6 +37,9 @@ void describe(A& archive, SampleSums& sums) {
   for (double& value : sums.color) archive(value);
   archive(sums.alpha);
   for (double& value : sums.squares) archive(value);
+  for (auto& contrast : sums.contrasts) {
+    for (float& value : contrast) archive(value);
+  }
 }
 
 template <class A>

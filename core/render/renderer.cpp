@@ -114,6 +114,7 @@ class Profiler {
 RenderReport render(const PreparedScene& scene, const Integrator& integrator, Film& film,
                     const RenderOptions& options) {
   const Clock::time_point start = Clock::now();
+  film.setScrambled(scene.sampler == SamplerKind::sobol);
   TileSource source(film, options.firstSample, options.endSample, options.map);
   std::vector<std::mutex> tileLocks(source.tiles().size());
   std::atomic<std::uint64_t> samplesDone{0};

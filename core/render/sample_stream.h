@@ -6,16 +6,18 @@
 
 #include "core/base/random.h"
 #include "core/base/sobol.h"
+#include "core/render/scrambles.h"
 
 namespace aerosol::render {
 
 enum class SamplerKind : std::uint8_t {
   independent,  ///< Hashes.
-  sobol         ///< Owen-scrambled Sobol' points in the first dimensions, hashes afterwards.
+  sobol         ///< Owen-scrambled Sobol' points in the first dimensions, hashes afterwards; see scrambles.h.
 };
 
 /// Numbers that depend on (seed, pixel, sample index, position in the stream) alone. Each call of `next1D` or `next2D`
-/// takes one slot; samples of one pixel are stratified against each other slot by slot. A small value: copy it freely.
+/// takes one slot; samples of one pixel and one scramble are stratified against each other slot by slot. A small value:
+/// copy it freely.
 class SampleStream {
  public:
   /// Slots from here on are independent: stratification of so high dimensions gains nothing.
@@ -29,14 +31,14 @@ class SampleStream {
   /// In [0, 1).
   float next1D() {
     const std::uint32_t slot = slot_++;
-    if (isStratified(slot)) return unitFloat(scrambledSobol1D(sample_, patternKey(slot)));
+    if (isStratified(slot)) return unitFloat(scrambledSobol1D(indexInScramble(sample_), patternKey(slot)));
     return unitFloat(randomBits(key_, sample_, slot));
   }
   /// In [0, 1)².
   std::array<float, 2> next2D() {
     const std::uint32_t slot = slot_++;
     if (isStratified(slot)) {
-      const std::array<std::uint32_t, 2> point = scrambledSobol2D(sample_, patternKey(slot));
+      const std::array<std::uint32_t, 2> point = scrambledSobol2D(indexInScramble(sample_), patternKey(slot));
       return {unitFloat(point[0]), unitFloat(point[1])};
     }
     const std::uint64_t bits = randomBits(key_, sample_, slot);
@@ -45,7 +47,7 @@ class SampleStream {
   /// In [0, 1): a number of its own that takes no slot. Stratified as they are.
   float time() const {
     constexpr std::uint32_t place = hashStart - 1;
-    if (kind_ == SamplerKind::sobol) return unitFloat(scrambledSobol1D(sample_, patternKey(place)));
+    if (kind_ == SamplerKind::sobol) return unitFloat(scrambledSobol1D(indexInScramble(sample_), patternKey(place)));
     return unitFloat(randomBits(key_, sample_, place));
   }
   /// The same as `next1D`, for what asks for a plain source of numbers.
@@ -66,7 +68,9 @@ class SampleStream {
   static constexpr std::uint32_t hashStart = 1u << 31;
 
   bool isStratified(std::uint32_t slot) const { return kind_ == SamplerKind::sobol && slot < stratifiedSlots; }
-  std::uint64_t patternKey(std::uint32_t slot) const { return combineHashes(key_, ~static_cast<std::uint64_t>(slot)); }
+  std::uint64_t patternKey(std::uint32_t slot) const {
+    return combineHashes(key_, ~(std::uint64_t{scrambleOf(sample_)} << 32 | slot));
+  }
 
   std::uint64_t key_ = 0;
   std::uint32_t sample_ = 0;

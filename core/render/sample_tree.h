@@ -58,8 +58,9 @@ struct SampleTreeContent {
 /// - an *open sample* for each one whose predecessors in its block are missing.
 /// A range that starts at 0 has no open samples, and a power of two of blocks is a single node.
 ///
-/// `Sums` is empty when it is default-constructed, has `add(const Sample&)`, `operator+` and `==`; a `Sample` knows
-/// whether it `isFinite`. The members are defined in sample_tree_impl.h, for one place each that instantiates them.
+/// `Sums` is empty when it is default-constructed, has `add(const Sample&, std::uint32_t index)`, `operator+` and `==`;
+/// a `Sample` knows whether it `isFinite`. The members are defined in sample_tree_impl.h, for one place each that
+/// instantiates them.
 template <class Sums, class Sample>
 class SampleTree {
  public:

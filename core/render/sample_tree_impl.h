@@ -62,7 +62,7 @@ bool SampleTree<Sums, Sample>::place(std::uint32_t index, const Sample& sample) 
   if (offset > 0 && !(found && offset == node(at).prefix)) return placeOpen(index, sample);
   if (!found) insertNode(at, {.sums = {}, .block = block});
   Node& grown = node(at);
-  if (sample.isFinite()) grown.sums.add(sample);
+  if (sample.isFinite()) grown.sums.add(sample, index);
   ++grown.prefix;
   absorbOpen(at);
   return true;
@@ -90,7 +90,7 @@ void SampleTree<Sums, Sample>::absorbOpen(std::size_t at) {
                                        [](const OpenSample& open, std::uint32_t i) { return open.index < i; });
     auto to = from;
     for (; to != samples.end() && grown.prefix < blockSize && to->index == start + grown.prefix; ++to) {
-      if (to->sample.isFinite()) grown.sums.add(to->sample);
+      if (to->sample.isFinite()) grown.sums.add(to->sample, to->index);
       ++grown.prefix;
     }
     samples.erase(from, to);
@@ -174,7 +174,8 @@ Sums SampleTree<Sums, Sample>::total() const {
       std::size_t first = open;
       while (first > 0 && more_->samples[first - 1].index / blockSize == openBlock) --first;
       for (std::size_t i = first; i < open; ++i) {
-        if (more_->samples[i].sample.isFinite()) part.add(more_->samples[i].sample);
+        const OpenSample& each = more_->samples[i];
+        if (each.sample.isFinite()) part.add(each.sample, each.index);
       }
       open = first;
     }

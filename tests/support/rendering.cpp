@@ -84,8 +84,11 @@ std::unique_ptr<render::Film> TestScene::film(std::optional<render::PixelRect> c
 
 render::RenderReport TestScene::renderInto(render::Film& film, const render::RenderOptions& options) const {
   if (!scene_) return {};
-  const render::Integrator* integrator = Tools::instance().registry.integrator(description_->integrator.type);
-  return render::render(*scene_, *integrator, film, options);
+  return render::render(*scene_, integrator(), film, options);
+}
+
+const render::Integrator& TestScene::integrator() const {
+  return *Tools::instance().registry.integrator(description_->integrator.type);
 }
 
 std::unique_ptr<render::Film> TestScene::render(std::uint32_t samples) const {
@@ -96,9 +99,10 @@ std::unique_ptr<render::Film> TestScene::render(std::uint32_t samples) const {
 }
 
 std::string TestSensor::xml() const {
+  const std::string lookAt = fmt::format(
+      R"(<transform name="to_world"><lookat origin="{}" target="{}" up="0, 1, 0"/></transform>)", origin, target);
   return fmt::format(
-      R"(<sensor type="perspective">
-        <transform name="to_world"><lookat origin="{}" target="{}" up="0, 1, 0"/></transform>
+      R"(<sensor type="{}">{}
         <float name="fov" value="{}"/>
         <float name="near_clip" value="{}"/>
         <float name="far_clip" value="{}"/>
@@ -110,7 +114,7 @@ std::string TestSensor::xml() const {
         <sampler type="{}"><integer name="seed" value="{}"/></sampler>
         {}
       </sensor>)",
-      origin, target, fov, nearClip, farClip, width, height, sampler, seed, medium);
+      type, placement.empty() ? lookAt : placement, fov, nearClip, farClip, width, height, sampler, seed, medium);
 }
 
 std::string sceneXml(const std::string& integrator, const TestSensor& sensor, const std::string& content) {

@@ -34,6 +34,7 @@ class TestScene {
   /// Null when something was wrong.
   const render::PreparedScene* scene() const { return scene_.get(); }
   const scene::SceneDescription& description() const { return *description_; }
+  const render::Integrator& integrator() const;
 
   /// The whole film, or `crop` of it, with the AOVs of the scene.
   std::unique_ptr<render::Film> film(std::optional<render::PixelRect> crop = {}) const;
@@ -56,6 +57,8 @@ struct TestSensor {
   std::string sampler = "independent";
   int seed = 0;
   std::string medium;  ///< An element inside the sensor, or empty.
+  std::string type = "perspective";
+  std::string placement;  ///< An element in place of that from `origin` to `target`, or empty.
   double nearClip = 0.01, farClip = 10000;
 
   std::string xml() const;

@@ -4,7 +4,7 @@
 
 namespace aerosol::render {
 
-void AovSums::add(const AovSample& sample) {
+void AovSums::add(const AovSample& sample, std::uint32_t) {
   values.resize(sample.values.size());
   for (std::size_t i = 0; i < values.size(); ++i) values[i] += static_cast<double>(sample.values[i]);
   mattes.resize(sample.mattes.size());

@@ -23,7 +23,7 @@ struct AovSums {
   std::vector<double> values;       ///< Empty: all 0.
   std::vector<MatteShares> mattes;  ///< Of each Cryptomatte; empty: nothing was seen.
 
-  void add(const AovSample& sample);
+  void add(const AovSample& sample, std::uint32_t index);
   friend AovSums operator+(const AovSums& a, const AovSums& b);
   friend bool operator==(const AovSums& a, const AovSums& b) = default;
 };

@@ -152,7 +152,7 @@ TEST(Film, AnUnfinishedTileCountsWhatIsThere) {
 
 TEST(Film, BytesPerPixelInTheCommonCase) {
   const auto film = renderWhole(256);
-  EXPECT_LE(film->bytes() / wholeArea.pixelCount(), 81u);
+  EXPECT_LE(film->bytes() / wholeArea.pixelCount(), 129u);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
 #include <vector>
 
@@ -63,19 +64,37 @@ TEST_P(SampleStreamOfKind, SlotsHaveTheirNumbersWhateverWasDrawnBefore) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, SampleStreamOfKind, ::testing::Values(SamplerKind::independent, SamplerKind::sobol));
 
-TEST(SampleStream, SobolSlotsAreStratifiedOverTheSamplesOfAPixel) {
-  constexpr std::uint32_t samples = 256;
+TEST(SampleStream, SobolSlotsAreStratifiedOverTheSamplesOfAScramble) {
+  constexpr std::uint32_t points = 64;
   for (std::uint32_t slot = 0; slot < SampleStream::stratifiedSlots; ++slot) {
-    std::set<int> columns, squares;
-    for (std::uint32_t sample = 0; sample < samples; ++sample) {
+    std::array<std::set<int>, scrambleCount> columns, squares;
+    std::set<float> all;
+    for (std::uint32_t sample = 0; sample < points * scrambleCount; ++sample) {
       SampleStream stream(SamplerKind::sobol, 1, 10, 20, sample);
       stream.skipTo(slot);
-      columns.insert(static_cast<int>(SampleStream(stream).next1D() * samples));
+      const float u = SampleStream(stream).next1D();
+      all.insert(u);
+      columns[scrambleOf(sample)].insert(static_cast<int>(u * points));
       const auto [x, y] = stream.next2D();
-      squares.insert(static_cast<int>(x * 16) * 16 + static_cast<int>(y * 16));
+      squares[scrambleOf(sample)].insert(static_cast<int>(x * 8) * 8 + static_cast<int>(y * 8));
     }
-    ASSERT_EQ(columns.size(), samples) << slot;
-    ASSERT_EQ(squares.size(), samples) << slot;
+    for (std::uint32_t k = 0; k < scrambleCount; ++k) {
+      ASSERT_EQ(columns[k].size(), points) << slot;
+      ASSERT_EQ(squares[k].size(), points) << slot;
+    }
+    ASSERT_EQ(all.size(), points * scrambleCount) << "no scramble is another one over again";
+  }
+}
+
+TEST(Scrambles, TakeTurnsAndCountTheirSamples) {
+  std::array<std::uint64_t, scrambleCount> counts{};
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const std::uint32_t k = scrambleOf(i);
+    ASSERT_EQ(indexInScramble(i), counts[k]) << "none is left out";
+    ++counts[k];
+    for (std::uint32_t j = 0; j < scrambleCount; ++j) ASSERT_EQ(countOfScramble(i + 1, j), counts[j]) << i;
+    const bool isWhole = (i + 1) % 64 == 0;
+    if (isWhole) ASSERT_EQ(counts.front(), counts.back());
   }
 }
 
