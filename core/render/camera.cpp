@@ -96,4 +96,23 @@ Ray<World> Camera::ray(const CameraSample& sample) const {
   return ray;
 }
 
+double Camera::startReach(float time) const {
+  const Matrix4 m = motion_ ? motion_->at(time).matrix() : toWorld_.matrix();
+  double reach = 0;
+  for (int corner = 0; corner < 16; ++corner) {
+    const auto end = [&](int bit) { return (corner >> bit & 1) != 0 ? 1.0f : 0.0f; };
+    const Ray<World> first = ray({.x = end(0) * static_cast<float>(width_),
+                                  .y = end(1) * static_cast<float>(height_),
+                                  .lens = {end(2), end(3)},
+                                  .time = time});
+    double square = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double off = static_cast<double>(first.origin[i]) - m[static_cast<std::size_t>(i)][3];
+      square += off * off;
+    }
+    reach = std::max(reach, std::sqrt(square) + static_cast<double>(first.tMin));
+  }
+  return reach;
+}
+
 }  // namespace aerosol::render

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/base/geometry.h"
+#include "core/render/optional_effects.h"
 #include "core/scene/description.h"
 #include "core/shading/kernel_host.h"
 
@@ -35,6 +36,10 @@ class Camera {
   /// view.
   Ray<World> ray(const CameraSample& sample) const;
 
+  /// How far from the camera's place rays begin at most, at a time: at the corners of the near clip plane, seen from
+  /// the lens's rim.
+  double startReach(float time) const;
+
   /// From camera space to a plane (of a perspective view: at distance 1) on which the picture spans -1 to 1 across its
   /// width, x to the right and y upwards, and depth 0 to 1 from clip plane to clip plane; then to the picture, from its
   /// upper left corner.
@@ -56,7 +61,8 @@ class Camera {
   double farClip() const { return farClip_; }
 
   /// Whether `ray` uses `CameraSample::lens`.
-  bool hasLens() const { return apertureRadius_ > 0; }
+  bool hasLens() const { return hasOptionalEffects && apertureRadius_ > 0; }
+  double aperture() const { return apertureRadius_; }  ///< Radius of the lens.
 
  private:
   Transform<World, aerosol::Camera> toWorld_;  ///< When the shutter opens.

@@ -12,6 +12,7 @@ namespace aerosol::render {
 
 volume::Task<bool> probeMedia(PathContext& path, Point<World> point, float time) {
   const PreparedScene& scene = path.scene();
+  path.statistics().work.add(Work::probe);
   Ray<World> up;
   up.origin = point;
   up.direction = {0, 1, 0};

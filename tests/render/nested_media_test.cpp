@@ -210,6 +210,42 @@ TEST(InitialMedia, AreFoundForEachPath) {
       0.02));
 }
 
+/// Where the near clip plane cuts into a body paths begin in its medium, also in the corners of a wide view, where that
+/// plane is far from the camera.
+TEST(InitialMedia, BeginAtTheNearClipPlane) {
+  struct View {
+    double fov, x0, x1;
+  };
+  for (const View& view : {View{30, -50, 50}, View{150, 12, 16}}) {
+    const double fov = view.fov, x0 = view.x0, x1 = view.x1;
+    const std::string box = fmt::format(
+        R"(<shape type="cube"><transform name="to_world"><scale x="{}" y="50" z="2"/><translate x="{}" y="0" z="-1"/>
+        </transform><bsdf type="dielectric"><float name="ior" value="1"/><float name="transmission_depth" value="3"/>
+        <rgb name="transmission_color" value="0.5, 0.8, 0.9"/><integer name="priority" value="1"/></bsdf></shape>)",
+        (x1 - x0) / 2, (x0 + x1) / 2);
+    const TestScene scene =
+        loadScene(manyBounces, {.fov = fov, .width = 24, .height = 4, .nearClip = 4.5}, std::string(sky) + box);
+    ASSERT_TRUE(scene.scene());
+    EXPECT_TRUE(scene.scene()->probesMedia) << fov;
+    EXPECT_TRUE(shows(scene, *scene.render(1024), [&](const Ray<World>& ray) {
+      const auto from = [&](double plane, float origin, float direction) {
+        return (plane - static_cast<double>(origin)) / static_cast<double>(direction);
+      };
+      const auto [xNear, xFar] =
+          std::minmax({from(x0, ray.origin.x, ray.direction.x), from(x1, ray.origin.x, ray.direction.x)});
+      const auto [zNear, zFar] =
+          std::minmax({from(-3, ray.origin.z, ray.direction.z), from(1, ray.origin.z, ray.direction.z)});
+      const double begin = std::max({static_cast<double>(ray.tMin), xNear, zNear}), end = std::min(xFar, zFar);
+      Color expected = skyColor;
+      for (int c = 0; c < 3; ++c) {
+        const double color = std::array{0.5, 0.8, 0.9}[static_cast<std::size_t>(c)];
+        expected[c] *= static_cast<float>(std::pow(color, std::max(0.0, end - begin) / 3));
+      }
+      return expected;
+    })) << fov;
+  }
+}
+
 /// Exits without entry and double entries change nothing else, and are counted.
 TEST(OpenSurfaces, AreCounted) {
   const std::string open =
