@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # run_long.sh [SECONDS [TARGET…]]: searches with every fuzz target (or those named: shader, shader_group, compiled_file,
-# object_cache, scene) for so long each (1800), two at a time, with bounded memory and time for an input. Builds them
+# object_cache, scene, grid) for so long each (1800), two at a time, with bounded memory and time for an input. Builds them
 # first (preset sanitize). What is found stays in .build/sanitize/fuzz_long/TARGET: inputs that end in a crash, a hang or
 # too much memory as crash-*, timeout-* and oom-*; the corpus grows in corpus/. Fails when there is any.
 set -euo pipefail

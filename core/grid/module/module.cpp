@@ -11,6 +11,7 @@
 #include "core/grid/module/dense_file.h"
 #include "core/grid/module/nano_grid.h"
 #include "core/grid/module/table.h"
+#include "core/grid/module/vdb_check.h"
 #include "core/grid/module/writer.h"
 
 namespace aerosol::grid {
@@ -58,6 +59,7 @@ std::unique_ptr<const VoxelFile> read(const std::string& path, const std::string
       const auto grid = readDenseFile(stream);
       grids.push_back(makeGrid(*(isUnit ? inUnitCube(grid) : grid)));
     } else {
+      checkVdb(stream);
       openvdb::io::Stream file(stream, false);
       const auto all = file.getGrids();
       for (const auto& grid : *all)
