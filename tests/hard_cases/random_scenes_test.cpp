@@ -34,6 +34,7 @@ struct RandomScene {
   std::array<double, 3> camera{};
   bool hasPoint = false, hasSun = false, hasGround = false;
   std::array<double, 3> light{};
+  double aperture = 0;
 
   static RandomScene make(bool skyAlone) {
     RandomScene scene;
@@ -57,6 +58,7 @@ struct RandomScene {
     scene.hasSun = !skyAlone && *rc::gen::arbitrary<bool>();
     scene.hasGround = *rc::gen::arbitrary<bool>();
     for (double& x : scene.light) x = between(-3, 3);
+    scene.aperture = *element(0.0, 0.0, 0.05, 0.4);
     return scene;
   }
 
@@ -116,6 +118,12 @@ struct RandomScene {
     TestSensor sensor{.origin = triple(camera, unit), .target = "0, 0, 0", .fov = 50, .width = 6, .height = 5};
     sensor.nearClip *= unit;
     sensor.farClip *= unit;
+    if (aperture > 0) {
+      sensor.type = "thinlens";
+      sensor.medium =
+          fmt::format(R"(<float name="aperture_radius" value="{:.9g}"/><float name="focus_distance" value="{:.9g}"/>)",
+                      aperture * unit, 3 * unit);
+    }
     return loadScene(R"(<integer name="max_depth" value="30"/><integer name="rr_depth" value="8"/>)", sensor, content,
                      options);
   }

@@ -1,10 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <regex>
-#include <set>
-#include <sstream>
+#include "tests/support/test_tables.h"
 
 // The table of hard cases against the tests that there are.
 
@@ -12,27 +8,6 @@ namespace aerosol::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string contentOf(const fs::path& file) {
-  std::ifstream stream(file);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-/// "Suite.Name" of every test in the sources.
-std::set<std::string> allTests() {
-  static const std::regex definition(R"((?:^|\n)(?:TEST|TEST_F|TEST_P|TYPED_TEST)\(\s*(\w+),\s*(\w+)\s*\))");
-  std::set<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(AEROSOL_SOURCE_DIR "/tests")) {
-    if (entry.path().extension() != ".cpp") continue;
-    const std::string text = contentOf(entry.path());
-    for (std::sregex_iterator at(text.begin(), text.end(), definition), end; at != end; ++at) {
-      names.insert((*at)[1].str() + "." + (*at)[2].str());
-    }
-  }
-  return names;
-}
 
 struct Row {
   int number = 0;
@@ -70,7 +45,7 @@ std::string faultOf(const Row& row, const std::set<std::string>& tests) {
 
 TEST(HardCaseTable, EveryRowHasItsTests) {
   const std::vector<Row> rows = rowsOf(contentOf(AEROSOL_SOURCE_DIR "/tests/hard_cases/cases.md"));
-  const std::set<std::string> tests = allTests();
+  const std::set<std::string> tests = testsInSources();
   ASSERT_GE(tests.size(), 300u);
   ASSERT_GE(rows.size(), 30u);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -80,7 +55,7 @@ TEST(HardCaseTable, EveryRowHasItsTests) {
 }
 
 TEST(HardCaseTable, ARowWithoutATestIsFound) {
-  const std::set<std::string> tests = allTests();
+  const std::set<std::string> tests = testsInSources();
   const auto rows = rowsOf(
       "| # | case | tests |\n| 1 | a | |\n| 2 | b | No.Such |\n| 3 | c | awaits README.md |\n"
       "| 4 | d | HardCaseTable.EveryRowHasItsTests |\n| 5 | e | awaits no/such.file |\n");

@@ -121,13 +121,20 @@ TEST_F(Parts, AovsAreMergedAndCarriedOn) {
   part({"--samples", "7:40", "-o", "c.exr", "--crop", "0,5,20,13"});
   merge({"c.exr", "a.exr", "b.exr", "-o", "merged.exr"});
   EXPECT_TRUE(samePixels("whole.exr", "merged.exr"));
-  // Killed at some time and carried on.
-  folder_.run({"render", "fog.xml", "--spp", "3000", "--aov", aovs, "-o", "killed.exr", "--checkpoint", "0.2s", "-q"},
-              1200ms);
-  if (folder_.has("killed.checkpoint.exr")) {
-    const Outcome other = folder_.run({"render", "fog.xml", "--spp", "3000", "-o", "killed.exr", "--resume", "-q"});
-    EXPECT_THAT(other.err, HasSubstr("it has other AOVs"));
-  }
+  // Killed when there is a checkpoint, and carried on.
+  const std::vector<std::string> whole{"render", "fog.xml", "--spp", "3000", "--aov", aovs, "-o", "3000.exr", "-q"};
+  std::vector<std::string> killed = whole;
+  killed[7] = "killed.exr";
+  killed.insert(killed.end(), {"--checkpoint", "0.02s"});
+  EXPECT_EQ(folder_.run(whole).code, 0);
+  EXPECT_FALSE(folder_.runUntil("killed.checkpoint.exr", killed).code) << "it ended before there was a checkpoint";
+  const Outcome other = folder_.run({"render", "fog.xml", "--spp", "3000", "-o", "killed.exr", "--resume", "-q"});
+  EXPECT_THAT(other.err, HasSubstr("it has other AOVs"));
+  killed.back() = "0";
+  killed.insert(killed.end(), {"--resume", "--threads", "1", "--width", "4"});
+  std::erase(killed, "-q");
+  EXPECT_THAT(folder_.run(killed).err, HasSubstr("going on from killed.checkpoint.exr"));
+  EXPECT_TRUE(samePixels("3000.exr", "killed.exr"));
   // Parts with other AOVs are no parts.
   render({"--samples", "7:40", "--spp", "40", "-o", "d.exr", "--aov", "direct"});
   const Outcome refused = merge({"a.exr", "d.exr", "-o", "x.exr"}, 1);
@@ -205,7 +212,8 @@ TEST_F(Parts, KilledRendersAreCarriedOnToTheSameImage) {
   render(whole);
   const auto wholeTime = std::chrono::steady_clock::now() - start;
   std::mt19937 random(20);
-  int killed = 0, carriedOn = 0;
+  EXPECT_FALSE(folder_.runUntil("again.checkpoint.exr", again).code) << "it ended before there was a checkpoint";
+  int killed = 1, carriedOn = 0;
   for (int run = 0; run < 100; ++run) {
     const auto longest = std::chrono::duration_cast<std::chrono::milliseconds>(wholeTime) * 9 / 10;
     const auto after =
@@ -230,7 +238,8 @@ TEST_F(Parts, KilledRendersAreCarriedOnToTheSameImage) {
 }
 
 TEST_F(Parts, ACheckpointOfAnotherRenderIsRefused) {
-  folder_.run({"render", "fog.xml", "-o", "a.exr", "--spp", "1000000", "--checkpoint", "0.02"}, 3000ms);
+  folder_.runUntil("a.checkpoint.exr",
+                   {"render", "fog.xml", "-o", "a.exr", "--spp", "1000000", "--checkpoint", "0.02"});
   ASSERT_TRUE(folder_.has("a.checkpoint.exr"));
   EXPECT_THAT(render({"-o", "a.exr", "--seed", "5", "--resume"}, 1).err,
               HasSubstr("this checkpoint cannot be carried on: scene, shaders, seed or options differ"));

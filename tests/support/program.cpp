@@ -63,8 +63,7 @@ std::vector<std::string> ProgramFolder::files() const {
   return names;
 }
 
-Outcome ProgramFolder::run(const std::vector<std::string>& arguments,
-                           std::optional<std::chrono::milliseconds> killAfter) const {
+pid_t ProgramFolder::start(const std::vector<std::string>& arguments) const {
   std::vector<std::string> words{AEROSOL_BINARY_DIR "/bin/aerosol"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
@@ -73,17 +72,37 @@ Outcome ProgramFolder::run(const std::vector<std::string>& arguments,
   const std::string folder = folder_.string(), out = folder + ".out", err = folder + ".err";
   const pid_t child = fork();
   if (child == 0) becomeProgram(folder.c_str(), out.c_str(), err.c_str(), pointers.data());
+  return child;
+}
+
+Outcome ProgramFolder::outcomeOf(int status) const {
+  Outcome outcome;
+  if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
+  outcome.out = contentOf(folder_.string() + ".out");
+  outcome.err = contentOf(folder_.string() + ".err");
+  return outcome;
+}
+
+Outcome ProgramFolder::run(const std::vector<std::string>& arguments,
+                           std::optional<std::chrono::milliseconds> killAfter) const {
+  const pid_t child = start(arguments);
   if (killAfter) {
     std::this_thread::sleep_for(*killAfter);
     kill(child, SIGKILL);
   }
   int status = 0;
   waitpid(child, &status, 0);
-  Outcome outcome;
-  if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
-  outcome.out = contentOf(out);
-  outcome.err = contentOf(err);
-  return outcome;
+  return outcomeOf(status);
+}
+
+Outcome ProgramFolder::runUntil(const std::string& file, const std::vector<std::string>& arguments) const {
+  const pid_t child = start(arguments);
+  int status = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    if (has(file)) kill(child, SIGKILL);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return outcomeOf(status);
 }
 
 }  // namespace aerosol::test

@@ -1,6 +1,8 @@
 // The program as a process of its own, in a folder of its own.
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -37,8 +39,13 @@ class ProgramFolder {
 
   /// Runs `aerosol ARGUMENTS`; after `killAfter` the process is killed, unless it has ended before.
   Outcome run(const std::vector<std::string>& arguments, std::optional<std::chrono::milliseconds> killAfter = {}) const;
+  /// The same; the process is killed as soon as it has made the file, unless it ends before, however long that takes.
+  Outcome runUntil(const std::string& file, const std::vector<std::string>& arguments) const;
 
  private:
+  pid_t start(const std::vector<std::string>& arguments) const;
+  Outcome outcomeOf(int status) const;
+
   ScratchFolder scratch_;
   std::filesystem::path folder_ = scratch_.path();
 };
