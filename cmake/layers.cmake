@@ -30,6 +30,11 @@ aerosol_layer(grid PUBLIC core_base PRIVATE fmt::fmt EXCLUDE "module/")
 
 aerosol_layer(render PUBLIC core_volume core_scene core_accel core_image core_grid PRIVATE fmt::fmt TBB::tbb)
 
+option(AEROSOL_LEAN "Leave out all effects that core/render/optional_effects.h names, to measure what they cost" OFF)
+if(AEROSOL_LEAN)
+  target_compile_definitions(core_render PUBLIC AEROSOL_LEAN)
+endif()
+
 # LLVM's headers: where core/jit/llvm.h names them, they are parsed once into a precompiled header, which pays from the
 # third translation unit on. The compiler cache keeps such objects only when told that time stamps do not matter.
 get_target_property(jitType core_jit TYPE)

@@ -142,6 +142,7 @@ class Query {
   /// The ray in the space of the triangles that are being asked for.
   const DoubleRay& exactRay() const { return *current_; }
   float time() const { return ray_.time; }
+  Counters& counters() { return counters_; }
 
   /// Calls `ask(embreeRay, context)` with the ray in the space of a mesh that moves, near to the mesh.
   template <class Ask>
@@ -340,6 +341,7 @@ void intersectMoving(const RTCIntersectFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
   Query& query = Query::of(arguments->context);
   const Surface& surface = query.scene().surfaces[query.scene().movingSurfaces[arguments->primID]];
+  ++query.counters().movingSurfaceTests;
   bool isHit = false;
   if (surface.mesh) {
     query.inMotion(*surface.motion, [&](const RTCRay& ray, EmbreeContext& context) {
@@ -367,6 +369,7 @@ void occludeMoving(const RTCOccludedFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
   Query& query = Query::of(arguments->context);
   const Surface& surface = query.scene().surfaces[query.scene().movingSurfaces[arguments->primID]];
+  ++query.counters().movingSurfaceTests;
   bool isBlocked = false;
   if (surface.mesh) {
     query.inMotion(*surface.motion, [&](RTCRay ray, EmbreeContext& context) {
@@ -388,12 +391,14 @@ void occludeMoving(const RTCOccludedFunctionNArguments* arguments) {
 void recordMovingVolume(const RTCIntersectFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
   Query& query = Query::of(arguments->context);
+  ++query.counters().movingVolumeTests;
   query.record(query.scene().movingVolumes[arguments->primID]);
 }
 
 void recordMovingShadowVolume(const RTCOccludedFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
   Query& query = Query::of(arguments->context);
+  ++query.counters().movingVolumeTests;
   query.record(query.scene().movingVolumes[arguments->primID]);
 }
 
@@ -444,6 +449,8 @@ Counters& Counters::operator+=(const Counters& other) {
   occlusionQueries += other.occlusionQueries;
   volumeTests += other.volumeTests;
   spans += other.spans;
+  movingSurfaceTests += other.movingSurfaceTests;
+  movingVolumeTests += other.movingVolumeTests;
   openVolumes += other.openVolumes;
   invalidRays += other.invalidRays;
   return *this;

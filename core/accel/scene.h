@@ -23,6 +23,7 @@ struct Counters {
   std::uint64_t occlusionQueries = 0;
   std::uint64_t volumeTests = 0;  ///< Rays tested against a volume primitive's exact shape.
   std::uint64_t spans = 0;        ///< Volume spans returned.
+  std::uint64_t movingSurfaceTests = 0, movingVolumeTests = 0;  ///< Rays near something that moves.
   std::uint64_t openVolumes = 0;  ///< Rays along which a volume primitive's mesh is not closed.
   std::uint64_t invalidRays = 0;  ///< Rays that were not finite; they hit nothing.
   PhaseMark phase;                ///< What the thread is at.

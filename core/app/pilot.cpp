@@ -26,6 +26,12 @@ PilotReport renderPilot(const SceneSession& session, double seconds) {
   pilot.film = std::make_unique<render::Film>(cropOf(session.description().film));
   render::RenderOptions options;
   options.threads = session.threadCount();
+  options.endSample = 1;
+  {
+    // What is made at first use, such as tables of materials, is no part of what follows.
+    render::Film first(pilot.film->area());
+    render::render(session.scene(), session.integrator(), first, options);
+  }
   options.profile = true;
   for (std::uint32_t end = 1; end <= mostSamples; end *= 2) {
     options.endSample = end;

@@ -89,9 +89,12 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   uniforms.choice = path.random().next1D();
   const auto choice = lights.choose(vertex.position(), uniforms.choice);
   if (!choice) co_return Color();
+  ++path.statistics().lightSamples[choice->index];
+  if (choice->part != LightId::whole) path.statistics().work.add(Work::lightTree);
+  if (vertex.links()) path.statistics().work.add(Work::linkedLight);
   // The number that chose the light is used up; which part of it comes from a number of its own.
   uniforms.choice = path.random().nextHash();
-  if (lights[choice->index].isVolume()) {
+  if (lights.hasVolumes() && lights[choice->index].isVolume()) {
     phase.reset();
     co_return co_await estimateGlow(path, vertex, choice->id(), uniforms, time);
   }
@@ -101,7 +104,7 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   Color scattered = vertex.evaluate(light->direction) * light->value;
   if (isBlack(scattered)) co_return Color();
   phase.reset();
-  if (path.scene().lightTextures[choice->index]) {
+  if (path.scene().isTextured(choice->index)) {
     scattered *= co_await lightTextureAt(path, choice->index, *light, time);
     if (isBlack(scattered)) co_return Color();
   }
@@ -131,7 +134,7 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   if (!light || isBlack(light->value)) co_return Color();
   Color scattered = vertex.evaluate(light->direction) * light->value;
   if (isBlack(scattered)) co_return Color();
-  if (path.scene().lightTextures[choice.light.light]) {
+  if (path.scene().isTextured(choice.light.light)) {
     scattered *= co_await lightTextureAt(path, choice.light.light, *light, time);
     if (isBlack(scattered)) co_return Color();
   }
@@ -159,6 +162,7 @@ float metEmissionWeight(const PreparedScene& scene, Vector<World> direction, con
 volume::Task<Color> lightTexture(PathContext& path, std::uint32_t light, const shading::ShadingPoint& point) {
   const std::optional<shading::InstanceRef>& texture = path.scene().lightTextures[light];
   if (!texture) co_return Color(1);
+  path.statistics().work.add(Work::lightTexture);
   co_return lightTextureOf(co_await path.shade(*texture, point));
 }
 

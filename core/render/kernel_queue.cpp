@@ -216,7 +216,7 @@ const std::optional<VolumeLook>& KernelQueues::lookOf(const PathContext& path, c
 }
 
 void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths) {
-  const bool sound = allSound(queue), hasLooks = !scene_.looks.empty();
+  const bool sound = allSound(queue), hasLooks = hasOptionalEffects && !scene_.looks.empty();
   const std::size_t outputs = queue.destinations.size();
   for (std::size_t lane = 0; lane < running_.size(); ++lane) {
     PathContext& path = *paths[running_[lane].slot];
@@ -229,13 +229,16 @@ void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext
     if (!sound) [[unlikely]]
       checkCoefficients(answer, running_[lane].question, path);
     if (hasLooks) {
-      if (const auto& look = lookOf(path, running_[lane])) look->apply(answer);
+      if (const auto& look = lookOf(path, running_[lane])) {
+        look->apply(answer);
+        statistics_.work.add(Work::look);
+      }
     }
   }
 }
 
 void KernelQueues::scatterExtinction(const Queue& queue, std::span<PathContext* const> paths) {
-  const bool sound = allSound(queue), hasLooks = !scene_.looks.empty();
+  const bool sound = allSound(queue), hasLooks = hasOptionalEffects && !scene_.looks.empty();
   const float* const r = batch_.output(0);
   const float* const g = batch_.output(1);
   const float* const b = batch_.output(2);

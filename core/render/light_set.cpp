@@ -63,7 +63,7 @@ std::optional<LightPlace> LightSet::placeOf(LightId id) const {
 }
 
 LightId LightSet::idOf(std::uint32_t light, const LightHit& hit) const {
-  if (tree_.isEmpty() || !placeOf(LightId{light})) return {light};
+  if (!hasTree() || !placeOf(LightId{light})) return {light};
   return {light, lights_[light]->partAt(hit)};
 }
 
@@ -96,7 +96,7 @@ std::optional<LightSet::Choice> LightSet::choose(Point<World> from, float u) con
     if (rest < probability || chosen + 1 == count) break;
     rest -= probability;
   }
-  if (chosen < single_.size()) return Choice{single_[chosen], static_cast<float>(probability)};
+  if (!hasTree() || chosen < single_.size()) return Choice{single_[chosen], static_cast<float>(probability)};
   const auto left = std::min(static_cast<float>(rest / probability), 0x1.fffffep-1f);
   const auto entry = tree_.choose(PointQuery{from}, left);
   if (!entry) return {};
@@ -105,7 +105,7 @@ std::optional<LightSet::Choice> LightSet::choose(Point<World> from, float u) con
 }
 
 float LightSet::probability(LightId id, Point<World> from) const {
-  if (id.part != LightId::whole) {
+  if (hasTree() && id.part != LightId::whole) {
     return static_cast<float>(probabilityOf(single_.size(), from)) * tree_.probability(PointQuery{from}, entryOf(id));
   }
   const auto found = std::find(single_.begin(), single_.end(), id.light);

@@ -9,6 +9,7 @@
 
 #include "core/render/light.h"
 #include "core/render/light_tree.h"
+#include "core/render/optional_effects.h"
 
 namespace aerosol::render {
 
@@ -83,7 +84,7 @@ class LightSet {
   float pdfEscaped(std::uint32_t index, Point<World> from, Vector<World> direction) const;
   /// The density of directions in which any medium that glows is sampled.
   float pdfVolumes(Point<World> from, Vector<World> direction) const;
-  bool hasVolumes() const { return !volumes_.empty(); }
+  bool hasVolumes() const { return hasOptionalEffects && !volumes_.empty(); }
 
  private:
   /// Sorts the lights. How many parts those have that are somewhere.
@@ -91,7 +92,8 @@ class LightSet {
   void plantTree();
   /// Of the lights in `single_`, then of the tree.
   double importance(std::size_t candidate, Point<World> from) const;
-  std::size_t candidateCount() const { return single_.size() + (tree_.isEmpty() ? 0 : 1); }
+  bool hasTree() const { return hasOptionalEffects && !tree_.isEmpty(); }
+  std::size_t candidateCount() const { return single_.size() + (hasTree() ? 1 : 0); }
   double probabilityOf(std::size_t candidate, Point<World> from) const;
 
   std::vector<std::shared_ptr<const Light>> lights_;

@@ -40,6 +40,7 @@ namespace {
 
 /// Null scattering serves a segment when every medium has a bound; one marching medium makes the whole segment march.
 DistanceMethod methodOf(const Segment& segment) {
+  if (!hasOptionalEffects) return DistanceMethod::closedForm;
   if (segment.media.size() == 1) return segment.media.front()->method;
   DistanceMethod method = DistanceMethod::closedForm;
   for (const Medium* medium : segment.media) {
@@ -48,6 +49,20 @@ DistanceMethod methodOf(const Segment& segment) {
     if (own == DistanceMethod::nullScattering) method = DistanceMethod::nullScattering;
   }
   return method;
+}
+
+void countWork(WorkCounts& work, const Segment& segment, DistanceMethod method) {
+  constexpr std::array works{Work::closedForm, Work::voxels, Work::marching, Work::nullScattering};
+  static_assert(static_cast<int>(DistanceMethod::closedForm) == 0 && static_cast<int>(DistanceMethod::analytic) == 1 &&
+                static_cast<int>(DistanceMethod::marching) == 2 &&
+                static_cast<int>(DistanceMethod::nullScattering) == 3);
+  work.add(works[static_cast<std::size_t>(method)]);
+  if (segment.media.size() > 1) work.add(Work::overlap);
+  const Medium& first = *segment.media.front();
+  if (first.tree) work.add(Work::tree);
+  if (!first.constant) return;
+  const Color sigma = first.constant->sigmaT;
+  if (sigma.r != sigma.g || sigma.g != sigma.b) work.add(Work::chromatic);
 }
 
 float stepSizeOf(const Segment& segment) {
@@ -105,7 +120,9 @@ volume::RayStretches scatteringStretches(const PathContext& path, double t0, dou
 
 const LinkedLights* commonLinks(const PathContext& path, const Medium* boundaryMedium) {
   const PreparedScene& scene = path.scene();
-  if (scene.linkedLights.empty() || scene.geometry->overlapDesign() == accel::OverlapDesign::partition) return nullptr;
+  if (!hasOptionalEffects || scene.linkedLights.empty() ||
+      scene.geometry->overlapDesign() == accel::OverlapDesign::partition)
+    return nullptr;
   if (boundaryMedium && boundaryMedium->mayScatter) return nullptr;
   std::optional<std::uint32_t> links;
   for (const accel::Span& span : path.spans) {
@@ -127,7 +144,9 @@ Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color thr
     const bool tracks = whole.event == DistanceEvent::passed, finds = given && given->concerns(segment);
     if (!tracks && !finds) break;
     DistanceSample part;
-    switch (methodOf(segment)) {
+    const DistanceMethod method = methodOf(segment);
+    countWork(path.statistics().work, segment, method);
+    switch (method) {
       case DistanceMethod::closedForm: {
         const volume::HomogeneousSegment homogeneous(segment, throughput);
         if (tracks) part = homogeneous.sample(random);
@@ -168,6 +187,7 @@ Task<> askStraightSurfaces(PathContext& path, Ray<World> ray) {
   for (std::size_t i = 0; i < path.interfaces.size(); ++i) {
     const accel::HitKey key = path.interfaces[i].key;
     const PreparedObject& object = scene.objects[key.object];
+    path.statistics().work.add(Work::straightCrossing);
     PathContext::StraightCrossing crossing{Color(1.0f), {}};
     if (!object.isBoundary) {
       const shading::ShadingPoint point = shadingPointOf(scene, scene.geometry->hitAt(ray, key), ray);
@@ -251,7 +271,8 @@ Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Mediu
   Color transmittance = collectSpans(path, ray, boundaryMedium, media);
   HashSource random(path.random());
   for (MediumSpan span; !isBlack(transmittance) && path.mediumSpans.take(span);) {
-    transmittance *= co_await volume::estimateTransmittance(span.medium->transmittance, path, ray, span, random);
+    const auto method = hasOptionalEffects ? span.medium->transmittance : volume::TransmittanceMethod::closedForm;
+    transmittance *= co_await volume::estimateTransmittance(method, path, ray, span, random);
   }
   co_return transmittance;
 }

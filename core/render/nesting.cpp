@@ -84,6 +84,7 @@ Interior boundaryInterior(const PreparedScene& scene, std::uint32_t object) {
 volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::SurfaceHit hit) {
   const PreparedScene& scene = path.scene();
   Nesting nesting;
+  path.statistics().work.add(Work::nesting);
   nesting.face = hit;
   nesting.last = hit.key();
   const shading::ShadingPoint point = shadingPointOf(scene, hit, ray);

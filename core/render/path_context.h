@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/accel/scene.h"
+#include "core/render/optional_effects.h"
 #include "core/render/path_spans.h"
 #include "core/render/sample_stream.h"
 #include "core/render/statistics.h"
@@ -198,7 +199,7 @@ class PathContext {
   SurfaceAnswer surfaceAnswer_;
 
  public:
-  PathRecord* record = nullptr;  ///< Of what AOVs gather; null when there are none.
+  EffectPointer<PathRecord> record;  ///< Of what AOVs gather; null when there are none.
 
   // Scratch, reused from ray to ray.
   accel::SpanBuffer spans;

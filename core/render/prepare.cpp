@@ -86,9 +86,18 @@ void findInitialMedia(Preparation& state) {
   const Matrix4 m = state.scene->camera->toWorld(state.scene->shutter.open).matrix();
   const Point<World> eye(static_cast<float>(m[0][3]), static_cast<float>(m[1][3]), static_cast<float>(m[2][3]));
   state.scene->initialMedia = findMedia(*state.scene, eye, state.scene->shutter.open);
-  const scene::Sensor& sensor = state.description.sensor;
-  const float lens = sensor.type == scene::SensorType::thinlens ? sensor.apertureRadius : 0;
-  state.scene->probesMedia = state.scene->changes || needsProbes(*state.scene, eye, lens + 2 * sensor.nearClip);
+  // Corners of the near plane, and what rounding and the filter's width add.
+  const auto reach = static_cast<float>(1.1 * state.scene->camera->startReach(state.scene->shutter.open));
+  state.scene->probesMedia = state.scene->changes || needsProbes(*state.scene, eye, reach);
+}
+
+/// What this build leaves out and the scene calls for.
+void refuseMissingEffects(Preparation& state) {
+  if (hasOptionalEffects) return;
+  for (const std::string& effect : optionalEffectsOf(*state.scene)) {
+    state.errors.error({}, "the scene calls for '" + effect + "', which this build leaves out",
+                       {"an ordinary build (cmake --preset release) has it"});
+  }
 }
 
 Diagnostics fail(Preparation& state) {
@@ -120,6 +129,7 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   describeObjects(state);
   findInitialMedia(state);
   decideAovs(state);
+  refuseMissingEffects(state);
   if (state.errors.hasErrors()) return fail(state);
   state.description.sources->annotate(state.warnings);
   return std::unique_ptr<const PreparedScene>(std::move(state.scene));

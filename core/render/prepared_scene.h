@@ -15,6 +15,7 @@
 #include "core/render/light_set.h"
 #include "core/render/linked_lights.h"
 #include "core/render/message_log.h"
+#include "core/render/optional_effects.h"
 #include "core/render/sample_stream.h"
 #include "core/render/sampling_plan.h"
 #include "core/render/volume_look.h"
@@ -56,7 +57,7 @@ struct PathSettings {
   int rrDepth = 5;    ///< Path length from which Russian roulette is played.
   bool hideEmitters = false;
   float stepScale = 1;
-  bool equiangular = true;  ///< Distances in media are also sampled for the lights beside the ray.
+  EffectSwitch equiangular = true;  ///< Distances in media are also sampled for the lights beside the ray.
 };
 
 /// How a medium moves by its velocity: its shader is run at x - (t - reference) v(x).
@@ -93,14 +94,14 @@ struct PreparedScene {
   /// attributes. May be shorter.
   std::vector<std::vector<const accel::TriangleMesh*>> attributeMeshes;
   Shutter shutter;
-  bool changes = false;  ///< Something changes while the shutter is open: every path has a time of its own.
+  EffectSwitch changes;  ///< Something changes while the shutter is open: every path has a time of its own.
   const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.
-  bool shadowsPass = false;                      ///< Some material lets light through unbent, and says how much.
-  bool nestsMedia = false;     ///< Some material says what is inside: paths keep a stack of interiors.
-  bool hasSubsurface = false;  ///< Some material lets light into its body.
+  EffectSwitch shadowsPass;                      ///< Some material lets light through unbent, and says how much.
+  EffectSwitch nestsMedia;     ///< Some material says what is inside: paths keep a stack of interiors.
+  EffectSwitch hasSubsurface;  ///< Some material lets light into its body.
   volume::PriorityOrder priorityOrder = volume::PriorityOrder::higherWins;
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
-  bool probesMedia = false;          ///< Paths may begin in different media: each one looks by itself.
+  EffectSwitch probesMedia;          ///< Paths may begin in different media: each one looks by itself.
   LightSet lights;
   std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By light: what its light is multiplied by.
   std::optional<Camera> camera;
@@ -135,20 +136,24 @@ struct PreparedScene {
 
   /// Null where a medium does not move so.
   const MediumVelocity* velocityOf(std::uint32_t medium) const {
-    return medium < velocities.size() && velocities[medium] ? &*velocities[medium] : nullptr;
+    return hasOptionalEffects && medium < velocities.size() && velocities[medium] ? &*velocities[medium] : nullptr;
   }
   /// Null where the shader is left as it is.
   const VolumeLook* lookOf(std::uint32_t medium) const {
-    return medium < looks.size() && looks[medium] ? &*looks[medium] : nullptr;
+    return hasOptionalEffects && medium < looks.size() && looks[medium] ? &*looks[medium] : nullptr;
   }
   /// Null where all lights count.
   const LinkedLights* linksOf(const volume::Medium& medium) const {
-    return medium.lightLinks == 0 ? nullptr : linkedLights[medium.lightLinks - 1].get();
+    return !hasOptionalEffects || medium.lightLinks == 0 ? nullptr : linkedLights[medium.lightLinks - 1].get();
   }
-  const LightSet& lightsOf(const LinkedLights* links) const { return links ? links->lights : lights; }
+  const LightSet& lightsOf(const LinkedLights* links) const {
+    return hasOptionalEffects && links ? links->lights : lights;
+  }
+  /// Whether the light is multiplied by a texture.
+  bool isTextured(std::uint32_t light) const { return hasOptionalEffects && lightTextures[light]; }
   /// The media of volumes for a ray of this type (shading::ray) from where `links` hold, by accel::VolumeId.
   std::span<const volume::Medium* const> volumesFor(std::uint32_t rayTypes, const LinkedLights* links) const {
-    if (links) return links->volumes;
+    if (hasOptionalEffects && links) return links->volumes;
     return rayTypes == shading::ray::camera ? cameraVolumes : volumes;
   }
 };

@@ -36,6 +36,9 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   bodyEntries += o.bodyEntries;
   frameHeapBlocks += o.frameHeapBlocks;
   media += o.media;
+  work += o.work;
+  if (lightSamples.size() < o.lightSamples.size()) lightSamples.resize(o.lightSamples.size());
+  for (std::size_t i = 0; i < o.lightSamples.size(); ++i) lightSamples[i] += o.lightSamples[i];
   if (kernels.size() < o.kernels.size()) kernels.resize(o.kernels.size());
   for (std::size_t i = 0; i < o.kernels.size(); ++i) kernels[i] += o.kernels[i];
   for (std::size_t i = 0; i < phaseCount; ++i) phases[i] += o.phases[i];

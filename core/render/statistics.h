@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/accel/scene.h"
+#include "core/render/effect_work.h"
 #include "core/volume/medium.h"
 #include "core/volume/medium_stack.h"
 
@@ -38,6 +39,8 @@ struct WorkerStatistics {
   std::uint64_t raysIntoLights = 0;       ///< Rays through media that meet a point light without a radius.
   std::uint64_t bodyEntries = 0;          ///< Paths that went into the body of a surface.
   volume::StackStatistics media;
+  WorkCounts work;
+  std::vector<std::uint64_t> lightSamples;         ///< By light: how often it was chosen at a point, or met by a ray.
   std::vector<KernelStatistics> kernels;           ///< By family · variantCount + variant.
   std::array<std::uint64_t, phaseCount> phases{};  ///< How often the thread was seen there; only of profiled renders.
   std::uint64_t frameHeapBlocks = 0;               ///< Coroutine frames that did not fit their slot.

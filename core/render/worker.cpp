@@ -39,6 +39,7 @@ Worker::Worker(SharedWork shared) : shared_(shared), queues_(shared.scene, stati
     slots_[i].path->record = slots_[i].record.get();
     free_.push_back(count - 1 - i);
   }
+  statistics_.lightSamples.resize(shared.scene.lights.size());
 }
 
 Worker::~Worker() = default;
@@ -101,8 +102,16 @@ bool Worker::startPath(std::uint32_t index) {
   CameraSample camera;
   camera.x = static_cast<float>(id.x) + 0.5f + offset.dx;
   camera.y = static_cast<float>(id.y) + 0.5f + offset.dy;
-  if (scene.camera->hasLens()) camera.lens = random.next2D();
-  camera.time = scene.changes ? scene.shutter.at(random.time()) : scene.shutter.open;
+  if (scene.camera->hasLens()) {
+    camera.lens = random.next2D();
+    statistics_.work.add(Work::lens);
+  }
+  camera.time = scene.shutter.open;
+  if (scene.changes) {
+    camera.time = scene.shutter.at(random.time());
+    statistics_.work.add(Work::time);
+    if (scene.camera->motion()) statistics_.work.add(Work::cameraMotion);
+  }
   slot.tile = &tile;
   slot.filterWeight = offset.weight;
   slot.path->restart(id, random);
@@ -131,6 +140,7 @@ void Worker::finish(std::uint32_t index) {
   OpenTile& tile = *slot.tile;
   std::span<const float> aovs;
   if (slot.record) {
+    statistics_.work.add(Work::layers);
     aovs = slot.record->finish({.color = radiance.color,
                                 .filterWeight = slot.filterWeight,
                                 .isInFirstHalf = isInFirstHalf(id),

@@ -108,6 +108,7 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
     co_await seeMedium(path, *event.medium, vertex.position(), distance, state.throughput);
   }
   if (state.length == scene.path.maxDepth) co_return false;
+  path.statistics().work.add(Work::mediumScattering);
   beginVertex(path, state.length);
   const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
   radiance.color += state.throughput * light;
@@ -128,6 +129,7 @@ const Medium* ruler(const PathContext& path, const Medium* outside) {
 
 /// Goes through a surface that only bounds media.
 void crossBoundary(PathContext& path, PathState& state, const accel::SurfaceHit& hit) {
+  path.statistics().work.add(Work::mediumBoundary);
   const PreparedObject& object = path.scene().objects[hit.object];
   if (!path.scene().nestsMedia) {
     state.boundaryMedium = hit.entering ? object.interior : object.exterior;
@@ -221,12 +223,13 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   const bool isHidden = scene.path.hideEmitters && state.length == 1;
   if (object.light && !isHidden) {
     Color emitted = metLight(scene, *object.light, hit, state.ray.direction, state.direction);
-    if (scene.lightTextures[*object.light]) {
+    if (scene.isTextured(*object.light)) {
       const shading::ShadingPoint met = shadingPointOf(scene, hit, state.ray);
       emitted *= co_await lightTexture(path, *object.light, met);
     }
     radiance.color += state.throughput * emitted;
     if (path.record) path.record->addFromLight(emitted, *object.light);
+    ++path.statistics().lightSamples[*object.light];
   }
   if (const auto invalid = closures.invalidSite()) [[unlikely]] {
     ++path.statistics().invalidClosures;
@@ -288,6 +291,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
 bool survivesRoulette(PathContext& path, PathState& state) {
   if (isBlack(state.throughput)) return false;
   if (state.length <= path.scene().path.rrDepth) return true;
+  path.statistics().work.add(Work::roulette);
   const float survival = std::min(maximum(abs(state.throughput)), 0.999f);
   if (!(path.random().nextHash() < survival)) return false;
   state.throughput = state.throughput / survival;
@@ -320,11 +324,13 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     const auto lit = lights.chooses() ? lights.choose(path.random().next2D()) : std::nullopt;
     volume::GivenDistance given{.t = lit ? lit->t : 0};
     path.statistics().raysIntoLights += lit && lit->isMet;
+    if (lit) path.statistics().work.add(Work::chosenDistance);
     // Behind a boundary, or a face that was touched, the ray's own numbers are used up.
     const auto numbers = passed || isTouching ? DistanceNumbers::hashed : DistanceNumbers::stratified;
     const volume::DistanceSample event =
         co_await sampleDistance(path, state.ray, state.throughput, lit ? &given : nullptr, numbers);
     if (!isBlack(event.emission)) {
+      path.statistics().work.add(Work::mediumEmission);
       // Lights are sampled up to the first surface, whatever it is.
       const float weight = passed ? 1.0f : metEmissionWeight(scene, state.ray.direction, state.direction);
       radiance.color += state.throughput * event.emission * weight;
@@ -336,7 +342,10 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     if (event.event == DistanceEvent::absorbed) break;
 
     if (event.event == DistanceEvent::scattered) {
-      if (event.medium->isHoldout) break;
+      if (event.medium->isHoldout) {
+        path.statistics().work.add(Work::holdout);
+        break;
+      }
       radiance.alpha = 1;
       passed.reset();
       goesOn = co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state);
@@ -356,6 +365,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       goesOn = step == Step::passes || (step == Step::scatters && survivesRoulette(path, state));
     }
     path.statistics().pathVertices += goesOn;
+    if (goesOn && state.length > 2) path.statistics().work.add(Work::laterScattering);
   }
   co_return radiance;
 }

@@ -15,6 +15,7 @@ namespace aerosol::app {
 
 namespace {
 
+using render::Work;
 using render::WorkerStatistics;
 using volume::DistanceMethod;
 
@@ -45,6 +46,20 @@ std::uint64_t pointsOf(const WorkerStatistics& s, shading::Variant variant) {
   return points;
 }
 
+/// Points at which shaders ran that hold code for an effect: there is none of it in others.
+std::function<std::uint64_t(const WorkerStatistics&)> pointsOfFamilies(std::vector<std::size_t> families) {
+  return [families = std::move(families)](const WorkerStatistics& s) {
+    std::uint64_t points = 0;
+    for (const std::size_t family : families) {
+      for (std::size_t variant = 0; variant < shading::variantCount; ++variant) {
+        const std::size_t at = family * shading::variantCount + variant;
+        if (at < s.kernels.size()) points += s.kernels[at].points;
+      }
+    }
+    return points;
+  };
+}
+
 bool isVolume(std::size_t variant) { return variant <= static_cast<std::size_t>(shading::Variant::extinction); }
 
 bool varies(float low, float high) { return std::fabs(low) > 0 || std::fabs(high) > 0; }
@@ -58,7 +73,8 @@ struct MediumFacts {
     const volume::Medium& medium = scene.media[index];
     if (medium.constant) {
       isKnown = true;
-      scatters = !isBlack(medium.constant->sigmaS);
+      // What stands for a hole ends paths.
+      scatters = !medium.isHoldout && !isBlack(medium.constant->sigmaS);
       emits = !isBlack(medium.constant->emission);
       const Color s = medium.constant->sigmaT;
       isChromatic = s.r != s.g || s.g != s.b;
@@ -87,17 +103,18 @@ class EffectList {
     addMedia();
     addPaths();
     addShaders();
+    addLayers();
     return std::move(effects_);
   }
 
  private:
-  using Work = std::function<std::uint64_t(const WorkerStatistics&)>;
+  using Counter = std::function<std::uint64_t(const WorkerStatistics&)>;
   using Share = std::function<double(const WorkerStatistics&)>;
 
-  void add(std::string name, bool isOn, std::string reason, Work work = {}, Share share = {}) {
+  void add(std::string name, bool isOn, std::string reason, Counter work, Share share = {}) {
     effects_.push_back({std::move(name), std::move(reason), isOn, std::move(work), std::move(share)});
   }
-  void add(std::string name, const Names& names, const std::string& offReason, Work work = {}, Share share = {}) {
+  void add(std::string name, const Names& names, const std::string& offReason, Counter work, Share share = {}) {
     add(std::move(name), names.count() > 0, names.count() > 0 ? names.text() : offReason, std::move(work),
         std::move(share));
   }
@@ -108,7 +125,8 @@ class EffectList {
     add("depth-of-field", hasLens,
         hasLens ? fmt::format("thinlens with aperture_radius {}{}", sensor.apertureRadius,
                               at(sensor.origin.of("aperture_radius")))
-                : "the camera has no lens");
+                : "the camera has no lens",
+        countOf(Work::lens));
   }
 
   void addLights() {
@@ -131,7 +149,7 @@ class EffectList {
         "surfaces", opaque, "no shape stops or scatters light",
         [](const WorkerStatistics& s) { return pointsOf(s, shading::Variant::surface); },
         [](const WorkerStatistics& s) { return shaderShare(s, [](std::size_t v) { return !isVolume(v); }); });
-    add("medium-boundaries", boundaries, "no surface is there for media alone");
+    add("medium-boundaries", boundaries, "no surface is there for media alone", countOf(Work::mediumBoundary));
     Names bodies;
     for (std::size_t i = 0; i < scene_.objects.size() && scene_.hasSubsurface; ++i) {
       const auto& closures = scene_.objects[i].closures;
@@ -157,9 +175,7 @@ class EffectList {
       }
     }
     add("nested-media", dielectrics, "no surface shader says what is inside: paths keep no stack of media",
-        [](const WorkerStatistics& s) {
-          return s.media.rejectedHits + s.media.exitsWithoutEntry + s.media.repeatedEntries;
-        });
+        countOf(Work::nesting));
   }
 
   void addVolumes() {
@@ -172,7 +188,11 @@ class EffectList {
         [](const WorkerStatistics& s) { return s.accel.volumeTests + s.accel.spans; },
         [](const WorkerStatistics& s) { return shareOf(s, {Phase::intervals}); });
     const std::string pair = findOverlap();
-    add("overlap", !pair.empty(), pair.empty() ? "bounds of volume primitives are disjoint" : pair);
+    add("overlap", !pair.empty(),
+        !pair.empty()                     ? pair
+        : description_.volumes.size() < 2 ? "there are no two volume primitives"
+                                          : "bounds of volume primitives are disjoint",
+        countOf(Work::overlap));
   }
 
   /// The first two volume primitives whose bounds overlap.
@@ -219,7 +239,7 @@ class EffectList {
     }
     const bool hasMedia = !scene_.media.empty();
     const std::string none = "there is no medium";
-    const Work points = [](const WorkerStatistics& s) { return s.trackers.points; };
+    const Counter points = [](const WorkerStatistics& s) { return s.trackers.points; };
     const Share shading = [](const WorkerStatistics& s) { return shaderShare(s, isVolume); };
     Names varying;
     for (std::size_t i = 0; i < scene_.media.size(); ++i) {
@@ -227,14 +247,21 @@ class EffectList {
     }
     add("heterogeneity", varying, hasMedia ? "all media are constant: no shader is run along rays" : none, points,
         shading);
-    add("constant-media", closed, hasMedia ? "no medium is constant" : none);
-    add("analytic-voxels", voxels, hasMedia ? "no medium is voxels times constants" : none);
-    add("null-scattering", null, hasMedia ? "no medium is sampled so" : none);
-    add("ray-marching", marched, hasMedia ? "no medium is sampled so" : none);
-    add("bound-trees", trees, hasMedia ? "no medium varies below a bound" : none);
-    add("volume-scattering", scattering, hasMedia ? "no medium scatters" : none);
-    add("volume-emission", emitting, hasMedia ? "no medium emits" : none);
-    add("chromatic-extinction", chromatic, hasMedia ? "extinction is the same in all channels" : none);
+    add("constant-media", closed, hasMedia ? "no medium is constant" : none, countOf(Work::closedForm));
+    add("analytic-voxels", voxels, hasMedia ? "no medium is voxels times constants" : none, countOf(Work::voxels));
+    add("null-scattering", null, hasMedia ? "no medium is sampled so" : none, countOf(Work::nullScattering));
+    add("ray-marching", marched, hasMedia ? "no medium is sampled so" : none, countOf(Work::marching));
+    add("bound-trees", trees, hasMedia ? "no medium varies below a bound" : none, countOf(Work::tree));
+    add("volume-scattering", scattering, hasMedia ? "no medium scatters" : none, countOf(Work::mediumScattering));
+    add("volume-emission", emitting, hasMedia ? "no medium emits" : none, countOf(Work::mediumEmission));
+    add("chromatic-extinction", chromatic, hasMedia ? "extinction is the same in all channels" : none,
+        countOf(Work::chromatic));
+    Names looks;
+    for (std::size_t i = 0; i < scene_.looks.size(); ++i) {
+      // Those of constant media are part of the constants.
+      if (scene_.looks[i] && !scene_.media[i].constant) looks.add(scene_.mediumNames[i], scene_.mediumLocations[i]);
+    }
+    add("volume-looks", looks, "no volume changes what a shader says that varies", countOf(Work::look));
   }
 
   void addPaths() {
@@ -242,11 +269,13 @@ class EffectList {
     const bool isMultiple = integrator.maxDepth < 0 || integrator.maxDepth > 2;
     const std::string depth =
         integrator.maxDepth < 0 ? "max_depth is unbounded" : fmt::format("max_depth {}", integrator.maxDepth);
-    add("multiple-scattering", isMultiple, depth + at(integrator.origin.of("max_depth")));
+    add("multiple-scattering", isMultiple, depth + at(integrator.origin.of("max_depth")),
+        countOf(Work::laterScattering));
     const bool mayBeLongEnough = integrator.maxDepth < 0 || integrator.maxDepth > integrator.rrDepth;
     const bool plays = mayBeLongEnough && integrator.rrDepth < std::numeric_limits<int>::max();
     add("russian-roulette", plays,
-        plays ? fmt::format("from path length {}", integrator.rrDepth) : "no path gets long enough for it");
+        plays ? fmt::format("from path length {}", integrator.rrDepth) : "no path gets long enough for it",
+        countOf(Work::roulette));
     add(
         "ray-tracing", true, formatCount(scene_.objects.size() + scene_.volumes.size(), "object"),
         [](const WorkerStatistics& s) { return s.accel.closestHitQueries + s.accel.occlusionQueries; },
@@ -255,7 +284,9 @@ class EffectList {
 
   void addShaders() {
     Names textures, derivatives, messages;
-    for (const shading::Family& family : scene_.shading.families()) {
+    std::vector<std::size_t> texturing, deriving, speaking;
+    for (std::size_t index = 0; index < scene_.shading.families().size(); ++index) {
+      const shading::Family& family = scene_.shading.families()[index];
       const lang::Program& program = *family.program;
       const SourceLocation place = program.locations.empty() ? SourceLocation{} : program.locations.front();
       bool readsTextures = false, readsDerivatives = false, speaks = false;
@@ -275,13 +306,24 @@ class EffectList {
         readsTextures = readsTextures || (use.host && (use.symbol.find("texture") != std::string::npos ||
                                                        use.symbol.find("environment") != std::string::npos));
       }
-      if (readsTextures) textures.add(program.name, place);
-      if (readsDerivatives) derivatives.add(program.name, place);
-      if (speaks) messages.add(program.name, place);
+      const auto note = [&](bool does, Names& names, std::vector<std::size_t>& families) {
+        if (!does) return;
+        names.add(program.name, place);
+        families.push_back(index);
+      };
+      note(readsTextures, textures, texturing);
+      note(readsDerivatives, derivatives, deriving);
+      note(speaks, messages, speaking);
     }
-    add("textures", textures, "no shader reads a texture or voxels");
-    add("derivatives", derivatives, "no shader asks how its inputs change from pixel to pixel");
-    add("shader-messages", messages, "no shader prints");
+    add("textures", textures, "no shader reads a texture or voxels", pointsOfFamilies(std::move(texturing)));
+    add("derivatives", derivatives, "no shader asks how its inputs change from pixel to pixel",
+        pointsOfFamilies(std::move(deriving)));
+    add("shader-messages", messages, "no shader prints", pointsOfFamilies(std::move(speaking)));
+  }
+
+  void addLayers() {
+    add("layers", scene_.aovs != nullptr,
+        scene_.aovs ? scene_.aovs->layout.toText() : "nothing is gathered beside the picture", countOf(Work::layers));
   }
 
   const scene::SceneDescription& description_;

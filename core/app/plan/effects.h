@@ -17,11 +17,16 @@ struct Effect {
   std::string name;    ///< As `--without` takes it, where that is possible.
   std::string reason;  ///< Why it is on, with object and place; or why it is off.
   bool isOn = false;
-  /// Work done for it alone, of the render's statistics: 0 where the effect is off. Null: it has no counter of its own.
+  /// Work done for it alone, of the render's statistics: 0 where the effect is off.
   std::function<std::uint64_t(const render::WorkerStatistics&)> work;
   /// Part of the work of paths, as far as it can be told apart; null where it cannot.
   std::function<double(const render::WorkerStatistics&)> share;
 };
+
+/// One of the counters of what is done for effects.
+inline std::function<std::uint64_t(const render::WorkerStatistics&)> countOf(render::Work work) {
+  return [work](const render::WorkerStatistics& s) { return s.work.of(work); };
+}
 
 /// Kinds of lights and of their sampling.
 void addLightEffects(const scene::SceneDescription& description, const render::PreparedScene& scene,

@@ -23,10 +23,22 @@ constexpr EmitterKind kinds[] = {{EmitterType::point, "point", "point-lights"},
                                  {EmitterType::directional, "directional", "directional-lights"},
                                  {EmitterType::constant, "constant", "constant-light"},
                                  {EmitterType::envmap, "envmap", "environment-maps"},
-                                 {EmitterType::sunsky, "sunsky", "sun-and-sky"}};
+                                 {EmitterType::sunsky, "sunsky", "sun-and-sky"},
+                                 {EmitterType::background, "background", "background-shaders"}};
 
-Effect effectOf(const char* name, const Names& names, const char* offReason) {
-  return {name, names.count() > 0 ? names.text() : offReason, names.count() > 0, {}, {}};
+using Counter = std::function<std::uint64_t(const render::WorkerStatistics&)>;
+
+Effect effectOf(const char* name, const Names& names, const char* offReason, Counter work) {
+  return {name, names.count() > 0 ? names.text() : offReason, names.count() > 0, std::move(work), {}};
+}
+
+/// Estimates of the light of these, by index.
+Counter samplesOf(std::vector<std::size_t> lights) {
+  return [lights = std::move(lights)](const render::WorkerStatistics& s) {
+    std::uint64_t samples = 0;
+    for (const std::size_t light : lights) samples += light < s.lightSamples.size() ? s.lightSamples[light] : 0;
+    return samples;
+  };
 }
 
 }  // namespace
@@ -35,21 +47,28 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
                      std::vector<Effect>& effects) {
   for (const EmitterKind& kind : kinds) {
     Names found;
-    for (const scene::Emitter& emitter : description.emitters) {
-      if (emitter.type == kind.type) found.add(kind.name, emitter.origin.location);
+    std::vector<std::size_t> lights;
+    for (std::size_t i = 0; i < description.emitters.size(); ++i) {
+      const scene::Emitter& emitter = description.emitters[i];
+      if (emitter.type != kind.type) continue;
+      found.add(kind.name, emitter.origin.location);
+      lights.push_back(i);
     }
-    effects.push_back(effectOf(kind.effect, found, "none in the scene"));
+    effects.push_back(effectOf(kind.effect, found, "none in the scene", samplesOf(std::move(lights))));
   }
   Names areas, linked, straight;
+  std::vector<std::size_t> shining;
   for (const scene::Shape& shape : description.shapes) {
-    if (shape.emitter) areas.add("area", shape.emitter->origin.location);
+    if (!shape.emitter) continue;
+    areas.add("area", shape.emitter->origin.location);
+    shining.push_back(description.emitters.size() + shining.size());
   }
-  effects.push_back(effectOf("area-lights", areas, "no shape emits light"));
+  effects.push_back(effectOf("area-lights", areas, "no shape emits light", samplesOf(std::move(shining))));
   const bool hasTextures = std::ranges::any_of(scene.lightTextures, [](const auto& each) { return each.has_value(); });
   effects.push_back({"light-textures",
                      hasTextures ? "some light is multiplied by a texture" : "no light has a texture",
                      hasTextures,
-                     {},
+                     countOf(render::Work::lightTexture),
                      {}});
 
   const bool isTree = !scene.lights.tree().isEmpty();
@@ -57,7 +76,7 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
                      isTree ? formatCount(scene.lights.placed().size(), "light") + ", chosen through a tree"
                             : "so few lights are weighed one by one",
                      isTree,
-                     {},
+                     countOf(render::Work::lightTree),
                      {}});
   const bool mayScatter = std::ranges::any_of(scene.media, &volume::Medium::mayScatter);
   const bool isEquiangular = scene.path.equiangular && mayScatter && !scene.lights.placed().empty();
@@ -67,18 +86,20 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
                      : !mayScatter             ? "no medium scatters"
                                                : "no light is somewhere near rays",
                      isEquiangular,
-                     {},
+                     countOf(render::Work::chosenDistance),
                      {}});
   for (const scene::Volume& volume : description.volumes) {
     if (!volume.controls.lights.empty()) linked.add(volume.type, volume.origin.location);
   }
-  effects.push_back(effectOf("light-links", linked, "all lights light all volumes"));
+  effects.push_back(
+      effectOf("light-links", linked, "all lights light all volumes", countOf(render::Work::linkedLight)));
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (scene.objects[i].passesShadows)
       straight.add(scene.shading.family(scene.objects[i].material).program->name,
                    description.shapes[i].origin.location);
   }
-  effects.push_back(effectOf("straight-shadows", straight, "no material lets light pass unbent"));
+  effects.push_back(effectOf("straight-shadows", straight, "no material lets light pass unbent",
+                             countOf(render::Work::straightCrossing)));
 }
 
 }  // namespace aerosol::app

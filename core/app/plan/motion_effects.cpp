@@ -5,8 +5,9 @@ namespace aerosol::app {
 
 namespace {
 
-Effect effectOf(const char* name, const Names& names, const char* offReason) {
-  return {name, names.count() > 0 ? names.text() : offReason, names.count() > 0, {}, {}};
+Effect effectOf(const char* name, const Names& names, const char* offReason,
+                std::function<std::uint64_t(const render::WorkerStatistics&)> work) {
+  return {name, names.count() > 0 ? names.text() : offReason, names.count() > 0, std::move(work), {}};
 }
 
 std::uint64_t velocityPoints(const render::WorkerStatistics& s) {
@@ -27,7 +28,7 @@ void addMotionEffects(const scene::SceneDescription& description, const render::
                                                  shutter.close, at(description.sensor.origin.location))
                                    : still,
                      scene.changes,
-                     {},
+                     countOf(render::Work::time),
                      {}});
   Names cameras, shapes, volumes, velocities, held;
   if (scene.camera->motion()) cameras.add("the camera", description.sensor.origin.location);
@@ -41,18 +42,19 @@ void addMotionEffects(const scene::SceneDescription& description, const render::
   for (std::size_t i = 0; i < scene.media.size(); ++i) {
     if (scene.velocityOf(static_cast<std::uint32_t>(i))) velocities.add(scene.mediumNames[i], scene.mediumLocations[i]);
   }
-  effects.push_back(effectOf("moving-camera", cameras, still));
-  effects.push_back(effectOf("moving-shapes", shapes, still));
-  effects.push_back(effectOf("moving-volumes", volumes, still));
-  Effect velocity = effectOf("velocity-blur", velocities, shutter.isInstant() ? still : "no medium has velocities");
-  velocity.work = velocityPoints;
-  effects.push_back(std::move(velocity));
-  effects.push_back(effectOf("holdouts", held, "no volume cuts a hole"));
+  effects.push_back(effectOf("moving-camera", cameras, still, countOf(render::Work::cameraMotion)));
+  effects.push_back(effectOf("moving-shapes", shapes, still,
+                             [](const render::WorkerStatistics& s) { return s.accel.movingSurfaceTests; }));
+  effects.push_back(effectOf("moving-volumes", volumes, still,
+                             [](const render::WorkerStatistics& s) { return s.accel.movingVolumeTests; }));
+  effects.push_back(
+      effectOf("velocity-blur", velocities, shutter.isInstant() ? still : "no medium has velocities", velocityPoints));
+  effects.push_back(effectOf("holdouts", held, "no volume cuts a hole", countOf(render::Work::holdout)));
   effects.push_back({"media-probes",
                      scene.probesMedia ? "paths may begin in different media: each looks above where it begins"
                                        : "all paths begin in the same medium",
                      scene.probesMedia,
-                     {},
+                     countOf(render::Work::probe),
                      {}});
 }
 

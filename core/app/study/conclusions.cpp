@@ -24,7 +24,7 @@ std::string halving(const StudyRow& best) {
   const double factor = costOfHalving(*best.study);
   if (factor == 0) return "What halving its error costs takes a larger --budget to tell.";
   if (!std::isfinite(factor)) {
-    return fmt::format("Time does not halve its error: {} of it is bias.",
+    return fmt::format("Time does not halve its error: its bias is {}.",
                        formatError(positiveRoot(last.squaredBias.value)));
   }
   return fmt::format("To halve the error costs {:.1f} times the time: from {} in {} to {} in about {}, at this size.",
