@@ -84,13 +84,14 @@ volume::Task<Color> lightTextureAt(PathContext& path, std::uint32_t light, Light
 volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time) {
   std::optional<PhaseScope> phase(std::in_place, path.statistics().accel.phase, Phase::lights);
   const LightSet& lights = path.scene().lightsOf(vertex.links());
-  LightUniforms uniforms;
+  LightUniforms uniforms{.time = time};
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().next1D();
   const auto choice = lights.choose(vertex.position(), uniforms.choice);
   if (!choice) co_return Color();
   ++path.statistics().lightSamples[choice->index];
   if (choice->part != LightId::whole) path.statistics().work.add(Work::lightTree);
+  if (path.scene().hasMovingLights && lights[choice->index].moves()) path.statistics().work.add(Work::movingLight);
   if (vertex.links()) path.statistics().work.add(Work::linkedLight);
   // The number that chose the light is used up; which part of it comes from a number of its own.
   uniforms.choice = path.random().nextHash();
@@ -127,7 +128,7 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
                                         const LightsAlongRay::Choice& choice, float time) {
   const LightSet& lights = path.scene().lightsOf(vertex.links());
   if (!lights.contains(choice.light.light)) co_return Color();
-  LightUniforms uniforms;
+  LightUniforms uniforms{.time = time};
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().nextHash();
   const std::optional<LightSample> light = lights.sample(choice.light, vertex.position(), uniforms);
@@ -181,11 +182,11 @@ Color escapedLight(const PreparedScene& scene, Vector<World> direction, const Di
   return sum;
 }
 
-Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::SurfaceHit& hit, Vector<World> direction,
+Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::SurfaceHit& hit, const Ray<World>& ray,
                const DirectionRecord& record) {
   const LightSet& lights = scene.lightsOf(record.links);
   if (record.isReplaced || !lights.contains(light)) return Color();
-  const LightHit at{hit.point, hit.geometricNormal, direction, hit.primitive};
+  const LightHit at{hit.point, hit.geometricNormal, ray.direction, hit.primitive, ray.time};
   const Color radiance = lights[light].emitted(at);
   if (isBlack(radiance)) return Color();
   if (record.isDelta) return radiance;

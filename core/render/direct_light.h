@@ -156,7 +156,7 @@ Color escapedLight(const PreparedScene& scene, Vector<World> direction, const Di
                    PathRecord* aovs = nullptr);
 
 /// Radiance of an area light that a ray has met, weighted.
-Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::SurfaceHit& hit, Vector<World> direction,
+Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::SurfaceHit& hit, const Ray<World>& ray,
                const DirectionRecord& record);
 
 }  // namespace aerosol::render

@@ -14,6 +14,7 @@ enum class Work : std::uint8_t {
   cameraMotion,      ///< Places of the moving camera.
   probe,             ///< Paths that looked above where they begin.
   lightTexture,      ///< Light that a texture was asked for.
+  movingLight,       ///< Light that was sampled of lights that move.
   lightTree,         ///< Lights found through the hierarchy.
   chosenDistance,    ///< Distances chosen for a light beside the ray.
   linkedLight,       ///< Light estimates where not all lights count.

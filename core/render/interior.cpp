@@ -48,7 +48,7 @@ std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t obj
       sum.lobes[sum.lobeCount++] = {sigmaS, std::clamp(p[7], -1.0f, 1.0f)};
     }
   }
-  if (!isDescribed && !prepared.interior && !prepared.priority) return {};
+  if (!isDescribed && !prepared.separatesMedia()) return {};
   if (!isDescribed) interior.priority = prepared.priority;
   interior.clipsVolumes = prepared.clipsVolumes;
   interior.scene = prepared.interior;
@@ -82,7 +82,7 @@ volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point, fl
     Ray<World> down = up;
     down.direction = {0, -1, 0};
     if (scene.objects[hit.object].isBoundary) {
-      stack.cross(boundaryInterior(scene, hit.object), !hit.entering, ignored);
+      if (const auto interior = boundaryInterior(scene, hit.object)) stack.cross(*interior, !hit.entering, ignored);
       return;
     }
     const SurfaceAnswer answer =

@@ -10,8 +10,8 @@
 namespace aerosol::render {
 
 /// The interior that the closures of one hit describe: the sum of its medium_vdf() terms, with the index and the
-/// priority of the first; otherwise the shape's own interior medium with the shape's priority. None of an open sheet,
-/// whose two sides are one space.
+/// priority of the first; otherwise the shape's own interior medium with the shape's priority. None where neither says
+/// anything: the two sides are one space.
 std::optional<volume::Interior> interiorOf(const PreparedScene& scene, std::uint32_t object,
                                            const SurfaceAnswer& answer);
 

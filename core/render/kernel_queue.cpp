@@ -155,9 +155,10 @@ void KernelQueues::pushMedium(const Question& question, const PathContext& path,
 }
 
 /// Takes velocities from the batch and asks the media where their matter was at the reference time. Velocities that are
-/// no numbers move nothing, and are counted.
+/// no numbers move nothing, and are counted. What was outside of a volume that confines its matter is nothing.
 void KernelQueues::moveQuestions(std::span<PathContext* const> paths) {
   waiting_ += running_.size();
+  settled_.clear();
   for (std::size_t lane = 0; lane < running_.size(); ++lane) {
     const PathContext& path = *paths[running_[lane].slot];
     const Question& question = path.questions()[running_[lane].question];
@@ -168,8 +169,15 @@ void KernelQueues::moveQuestions(std::span<PathContext* const> paths) {
       ++statistics_.invalidVelocities;
       point = question.point;
     }
+    const shading::InstanceRef shader = scene_.mediumShaders[question.medium->index];
+    if (moves.within && !moves.held(scene_.shading.instance(shader), point, path.time())) {
+      paths[running_[lane].slot]->answer(running_[lane].question) = {};
+      settled_.push_back(running_[lane]);
+      continue;
+    }
     pushMedium(question, path, point, running_[lane]);
   }
+  waiting_ -= settled_.size();
 }
 
 /// NaN, infinite and negative results become zero: counted, and reported once a shader with the point that gave them.
@@ -329,7 +337,7 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
       break;
     case shading::Variant::velocity:
       moveQuestions(paths);
-      return {};
+      return settled_;
     case shading::Variant::outputs:  // No scene makes these.
       break;
   }

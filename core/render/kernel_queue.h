@@ -79,6 +79,7 @@ class KernelQueues {
   shading::Batch batch_;
   std::vector<Queue> queues_;  ///< family · variantCount + variant
   std::vector<PendingQuestion> running_;
+  std::vector<PendingQuestion> settled_;  ///< Answered without their media: velocities led to where nothing was.
   std::size_t waiting_ = 0;
 };
 

@@ -17,6 +17,7 @@ namespace aerosol::render {
 struct LightUniforms {
   float choice = 0;  ///< Which part of the light.
   std::array<float, 2> place{};
+  float time = 0;  ///< Seconds: no random number, but when the light is to be seen.
 };
 
 /// Light that can arrive at a point, before anything in between. Its estimate is value / pdf.
@@ -38,6 +39,7 @@ struct LightHit {
   Normal<World> normal;         ///< Geometric, unit, as accel::SurfaceHit has it: towards the emitting side.
   Vector<World> direction;      ///< Unit, of the ray that arrived.
   std::uint32_t primitive = 0;  ///< The triangle of a mesh.
+  float time = 0;               ///< Seconds, of the ray.
 };
 
 /// Where a light is that is not at infinity, for the choice of distances along a ray.
@@ -88,6 +90,8 @@ class Light {
   virtual std::uint32_t partAt(const LightHit&) const { return 0; }
   /// A medium that glows: samples give a direction alone, whose density is `pdfEscaped`.
   virtual bool isVolume() const { return false; }
+  /// While the shutter is open.
+  virtual bool moves() const { return false; }
   virtual bool isDelta() const = 0;
   /// Arrives from beyond the scene.
   virtual bool isInfinite() const = 0;

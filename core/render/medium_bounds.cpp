@@ -106,6 +106,21 @@ class BoxPoints {
   std::array<double, 3> shift_{};
 };
 
+/// Over places that come from a box, where nothing is outside of what confines them.
+void confine(volume::BoxKnowledge& knowledge, const Box<Object>& from, const Box<Object>& within) {
+  bool isOutside = false;
+  for (int i = 0; i < 3; ++i)
+    isOutside = isOutside || from.lower[i] > within.upper[i] || from.upper[i] < within.lower[i];
+  if (isOutside) {
+    knowledge = {.isEmpty = true};
+    return;
+  }
+  knowledge.isUniform = false;
+  knowledge.ranges.extinctionLow = 0;
+  knowledge.ranges.emissionLow = std::min(knowledge.ranges.emissionLow, 0.0f);
+  knowledge.ranges.emissionHigh = std::max(knowledge.ranges.emissionHigh, 0.0f);
+}
+
 /// As renders take it: what is not finite or negative counts as 0.
 float soundValue(float x) { return x > 0 && std::isfinite(x) ? x : 0.0f; }
 
@@ -296,6 +311,8 @@ void MediumRanges::prove(std::span<const Box<Object>> boxes, std::span<volume::B
       // Only what is proven may be left out.
       if (areDeclared()) knowledge[i].isEmpty = knowledge[i].isUniform = false;
       if (look_) look_->apply(knowledge[i]);
+      if (velocity_ && velocity_->within && !(knowledge[i].isEmpty && !areDeclared()))
+        confine(knowledge[i], context.volumeBoxes[i - first].box, velocity_->within->boundsAtReference());
     }
   });
 }
@@ -316,7 +333,9 @@ void MediumRanges::sample(std::span<const Box<Object>> boxes, int pointsPerBox, 
               }
             }
             const std::vector<Point<World>> moved = movedPoints(context, context.places);
+            std::vector<bool> isOutside(moved.size());
             for (std::size_t i = 0; i < moved.size(); ++i) {
+              isOutside[i] = velocity_ && !velocity_->held(instance, moved[i], context.places[i].time);
               context.points.push(shading::VolumePoint{moved[i], context.places[i].direction, context.places[i].time},
                                   shader_.index);
             }
@@ -330,6 +349,7 @@ void MediumRanges::sample(std::span<const Box<Object>> boxes, int pointsPerBox, 
               for (std::size_t k = (i - first) * perBox; k < (i - first + 1) * perBox; ++k) {
                 Color sigmaT(soundValue(context.batch.output(0)[k]), soundValue(context.batch.output(1)[k]),
                              soundValue(context.batch.output(2)[k]));
+                if (isOutside[k]) sigmaT = Color();
                 if (look_) sigmaT *= look_->factorAt(maximum(sigmaT));
                 box.low = std::min(box.low, minimum(sigmaT));
                 box.high = std::max(box.high, maximum(sigmaT));
@@ -345,6 +365,10 @@ volume::Coefficients MediumRanges::at(Point<Object> point) {
   shading::VolumePoint place{family_.instances[shader_.index].objectToWorld(point), Vector<World>(0, 0, 1),
                              scene_.shutter.open};
   place.point = movedPoints(*context, {&place, 1}).front();
+  if (velocity_ && !velocity_->held(family_.instances[shader_.index], place.point, place.time)) {
+    giveBack(std::move(context));
+    return {};
+  }
   shading::PointArrays points;
   points.bind(family_, shading::Variant::coefficients);
   points.push(place, shader_.index);

@@ -212,7 +212,7 @@ Color crossInterface(PathContext& path, std::size_t index, const Medium*& medium
   const PreparedObject& object = scene.objects[interface.key.object];
   const bool isBoundary = object.isBoundary;
   if (!scene.nestsMedia) {
-    medium = interface.entering ? object.interior : object.exterior;
+    medium = object.behind(interface.entering, medium);
     path.wentStraight = path.wentStraight || !isBoundary;
     return isBoundary ? Color(1.0f) : path.straight[index].through;
   }
@@ -220,10 +220,12 @@ Color crossInterface(PathContext& path, std::size_t index, const Medium*& medium
       isBoundary ? boundaryInterior(scene, interface.key.object) : path.straight[index].interior;
   // A surface inside of a stronger medium is not there.
   const bool isHit = !isBoundary && (!interior || path.shadowMedia.judge(*interior, interface.entering).isHit);
-  if (interior) path.shadowMedia.cross(*interior, interface.entering, path.statistics().media);
-  const volume::Interior* ruling = path.shadowMedia.ruling();
-  medium = ruling ? path.keepShadowMedium(*ruling) : object.exterior;
   path.wentStraight = path.wentStraight || isHit;
+  if (interior) {
+    path.shadowMedia.cross(*interior, interface.entering, path.statistics().media);
+    const volume::Interior* ruling = path.shadowMedia.ruling();
+    medium = ruling ? path.keepShadowMedium(*ruling) : object.exterior;
+  }
   return isHit ? path.straight[index].through : Color(1.0f);
 }
 

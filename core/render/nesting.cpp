@@ -71,8 +71,9 @@ volume::Task<bool> findCompany(PathContext& path, Ray<World> ray, Nesting& nesti
 
 }  // namespace
 
-Interior boundaryInterior(const PreparedScene& scene, std::uint32_t object) {
+std::optional<Interior> boundaryInterior(const PreparedScene& scene, std::uint32_t object) {
   const PreparedObject& prepared = scene.objects[object];
+  if (!prepared.separatesMedia()) return {};
   Interior interior;
   interior.object = object;
   interior.scene = prepared.interior;

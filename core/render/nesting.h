@@ -31,7 +31,7 @@ volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::Surf
 /// Crosses what `findNesting` found.
 void crossNesting(PathContext& path, const Nesting& nesting);
 
-/// What is inside of a surface that only bounds media.
-volume::Interior boundaryInterior(const PreparedScene& scene, std::uint32_t object);
+/// What is inside of a surface that only bounds media; none where it says nothing of them.
+std::optional<volume::Interior> boundaryInterior(const PreparedScene& scene, std::uint32_t object);
 
 }  // namespace aerosol::render

@@ -61,10 +61,8 @@ void describeObjects(Preparation& state) {
     const scene::Shape& shape = state.description.shapes[i];
     const shading::InstanceRef material = state.scene->objects[i].material;
     float area = 0;
-    if (asksForArea(state, material)) {
-      if (const auto surface = lightSurface(state, shape, static_cast<accel::ObjectId>(i)))
-        area = static_cast<float>(surface->area());
-    }
+    if (asksForArea(state, material))
+      area = static_cast<float>(areaAtOpening(state, shape, static_cast<accel::ObjectId>(i)));
     const auto attributes = describeObject(shape.origin, shape.attributes, state.scene->attributes);
     state.scene->shading.describeObject(material, attributes, area);
     for (const volume::Medium* medium : {state.scene->objects[i].interior, state.scene->objects[i].exterior}) {
@@ -82,12 +80,13 @@ void describeObjects(Preparation& state) {
 void findInitialMedia(Preparation& state) {
   using enum volume::PriorityOrder;
   state.scene->priorityOrder = state.description.integrator.lowerPriorityWins ? lowerWins : higherWins;
-  if (!state.scene->nestsMedia) return;
   const Matrix4 m = state.scene->camera->toWorld(state.scene->shutter.open).matrix();
   const Point<World> eye(static_cast<float>(m[0][3]), static_cast<float>(m[1][3]), static_cast<float>(m[2][3]));
-  state.scene->initialMedia = findMedia(*state.scene, eye, state.scene->shutter.open);
   // Corners of the near plane, and what rounding and the filter's width add.
   const auto reach = static_cast<float>(1.1 * state.scene->camera->startReach(state.scene->shutter.open));
+  if (interiorsMayMeet(state, eye, reach)) state.scene->nestsMedia = true;
+  if (!state.scene->nestsMedia.isCalledFor()) return;
+  state.scene->initialMedia = findMedia(*state.scene, eye, state.scene->shutter.open);
   state.scene->probesMedia = state.scene->changes || needsProbes(*state.scene, eye, reach);
 }
 
@@ -115,6 +114,8 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   state.errors.append(
       state.scene->shading.compile(*state.options.compiler, {state.options.target, state.options.laneCounters}));
   if (state.errors.hasErrors()) return fail(state);
+  // Without bounds kernels nothing is proven, and that is all: the programs themselves have been compiled.
+  static_cast<void>(state.scene->shading.compileBounds(*state.options.compiler, {state.options.target, false}));
   findChanges(state);
   findSiteClosures(state);
   addShapes(state);

@@ -10,6 +10,7 @@
 #include "core/accel/scene.h"
 #include "core/render/aov/aov_plan.h"
 #include "core/render/camera.h"
+#include "core/render/carried_volume.h"
 #include "core/render/closure.h"
 #include "core/render/filter.h"
 #include "core/render/light_set.h"
@@ -49,6 +50,14 @@ struct PreparedObject {
   };
   std::vector<Output> outputs;                          ///< Closures that give their weight to an AOV.
   std::vector<std::vector<lang::ClosureLayer>> layers;  ///< What lies on them, by site; empty where nothing is layered.
+
+  /// Whether the shape says what is on its sides. One that does not stands in whatever medium there is.
+  bool separatesMedia() const { return interior || exterior || priority || clipsVolumes; }
+  /// The medium behind it, `here` being that before it, where no stack is kept.
+  const volume::Medium* behind(bool entering, const volume::Medium* here) const {
+    if (!interior && !exterior) return here;
+    return entering ? interior : exterior;
+  }
 };
 
 /// Path tracing parameters (Mitsuba's meaning).
@@ -65,6 +74,15 @@ struct MediumVelocity {
   shading::InstanceRef shader;  ///< Whose variant Variant::velocity gives v, in world space.
   float factor = 1;             ///< From what it gives to scene units per second.
   float referenceTime = 0;
+  const CarriedVolume* within =
+      nullptr;  ///< Outside of which there was nothing at the reference time; null: no bounds.
+
+  /// Whether a place was inside of that; `placed` is the instance of the medium's shader.
+  bool held(const shading::Instance& placed, Point<World> atReference, float time) const {
+    if (!within) return true;
+    return within->held(placed.motion ? placed.motion->at(time).inverse()(atReference)
+                                      : placed.objectToWorld.inverse()(atReference));
+  }
 };
 
 struct PreparedScene {
@@ -103,6 +121,7 @@ struct PreparedScene {
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
   EffectSwitch probesMedia;          ///< Paths may begin in different media: each one looks by itself.
   LightSet lights;
+  EffectSwitch hasMovingLights;
   std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By light: what its light is multiplied by.
   std::optional<Camera> camera;
   std::optional<Filter> filter;

@@ -73,7 +73,8 @@ struct VolumeArguments {
 
   /// A voxel file, read once for all that ask, shaders included. Null with a message.
   const VoxelFile* voxels(const std::string& name, std::string& message) const;
-  CarriedMatter carried = {};  ///< By a velocity grid: a grid's primitive is there too.
+  CarriedMatter carried = {};           ///< By a velocity grid.
+  bool* makesRoomForCarried = nullptr;  ///< Set by a primitive that is wherever that may be.
 
   /// The file that a parameter names, looked up in the search path; the name itself where no such file is found.
   std::filesystem::path file(const std::string& parameter) const;

@@ -263,7 +263,7 @@ struct Emitter {
   Point<World> position;             ///< Of a point.
   float radius = 0;                  ///< Of a point: no ray comes nearer; 0: only rays that meet it are kept off.
   Vector<World> direction{0, 0, 1};  ///< Of a directional light: where it travels; unit length.
-  Transform<World, Object> toWorld;  ///< Of an envmap, a sunsky, and of what shines along +z.
+  Placement<World, Object> toWorld;  ///< Of an envmap, a sunsky, and of what shines along +z; of a point if it moves.
   std::filesystem::path file;        ///< Of an envmap: an existing image.
   float scale = 1;                   ///< Of an envmap, of a projector.
   float cutoffAngle = 20;            ///< Of a spot: degrees from its axis.

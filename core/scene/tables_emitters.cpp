@@ -39,6 +39,11 @@ Range between(double least, double greatest) { return {.minimum = least, .maximu
 
 }  // namespace
 
+Field<Emitter> standing(Field<Emitter> placement) {
+  placement.animate = nullptr;
+  return placement;
+}
+
 std::vector<Field<Emitter>> projectorFields() {
   Field<Emitter> focalLength = field<&Emitter::focalLength>(
       {.name = "focal_length", .doc = "instead of fov: focal length of a 36 x 24 mm film", .defaultText = "50mm"});
@@ -96,9 +101,9 @@ std::vector<Field<Emitter>> sunSkyFields() {
            .unit = "degrees",
            .doc = "across the disc of the sun; a wider one is dimmer, so that it lights the same",
            .range = {.minimum = 0, .maximum = 180, .openMinimum = true}}),
-      field<&Emitter::toWorld>({.name = "to_world",
-                                .doc = "turns the sky, whose zenith is +z and whose north is +x (east is +y)",
-                                .defaultText = "identity"}),
+      standing(field<&Emitter::toWorld>({.name = "to_world",
+                                         .doc = "turns the sky, whose zenith is +z and whose north is +x (east is +y)",
+                                         .defaultText = "identity"})),
       {{.name = "albedo",
         .type = ValueType::color,
         .doc = "of the ground: the model does not know it",

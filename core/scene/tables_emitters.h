@@ -7,6 +7,9 @@
 
 namespace aerosol::scene {
 
+/// A placement that cannot be animated: of lights that surround the scene.
+Field<Emitter> standing(Field<Emitter> placement);
+
 std::vector<Field<Emitter>> projectorFields();
 std::vector<Field<Emitter>> sunSkyFields();
 

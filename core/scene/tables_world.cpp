@@ -122,10 +122,17 @@ Field<Emitter> placementField(const char* doc) {
           [](Emitter& emitter, const Value& value) -> std::string {
             const auto transform = toTransform<World, Object>(std::get<Matrix4>(value));
             if (!transform) return "this transform is not affine and invertible";
+            emitter.toWorld.keys.clear();
             emitter.position = (*transform)(Point<Object>(0, 0, 0));
             emitter.direction = normalize((*transform)(Vector<Object>(0, 0, 1)));
             return {};
           }};
+}
+
+Field<Emitter> pointPlacementField() {
+  Field<Emitter> placement = placementField("instead of position: moves the origin to the light");
+  placement.animate = [](Emitter& emitter, const std::vector<MotionKey>& keys) { emitter.toWorld.keys = keys; };
+  return placement;
 }
 
 Field<Emitter> directionField() {
@@ -161,8 +168,8 @@ std::vector<Field<Emitter>> environmentFields() {
                               [](Emitter&, const Value&) { return std::string(); }};
   return {std::move(file),
           field<&Emitter::scale>({.name = "scale", .doc = "factor on the image", .range = Range::atLeast(0)}),
-          field<&Emitter::toWorld>(
-              {.name = "to_world", .doc = "turns the image, whose middle lies at -z", .defaultText = "identity"}),
+          standing(field<&Emitter::toWorld>(
+              {.name = "to_world", .doc = "turns the image, whose middle lies at -z", .defaultText = "identity"})),
           std::move(compensation)};
 }
 
@@ -302,8 +309,7 @@ const std::vector<TypeTable<Emitter>>& emitterTypes() {
         {.type = "point",
          .doc = "light from one point",
          .fields = {field<&Emitter::position>({.name = "position", .unit = "scene units", .doc = "place in the world"}),
-                    placementField("instead of position: moves the origin to the light"),
-                    emittedField("intensity", "W/sr", "radiant intensity"),
+                    pointPlacementField(), emittedField("intensity", "W/sr", "radiant intensity"),
                     field<&Emitter::radius>({.name = "radius",
                                              .unit = "scene units",
                                              .doc =

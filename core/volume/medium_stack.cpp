@@ -49,21 +49,29 @@ const Interior* MediumStack::interiorOf(std::uint32_t object) const {
 
 float MediumStack::ior() const { return iorOf(ruling()); }
 
+/// Were it entered now.
+const Interior* MediumStack::rulingWith(const Interior& entered) const {
+  const Interior* const others = ruling();
+  if (!others || !others->priority) return &entered;
+  return entered.priority && isStronger(*entered.priority, *others->priority) ? &entered : others;
+}
+
 Crossing MediumStack::judge(const Interior& interior, bool entering) const {
   const Entry* known = find(interior.object);
   const bool staysInside = known && (entering || known->count > 1);
-  const Interior* others = rulingWithout(interior.object);
-  // The winner with the interior and the one without it.
-  const Interior& own = known ? known->interior : interior;
-  const bool hidden = others && others->priority && own.priority && !isStronger(*own.priority, *others->priority);
-  const bool weaker = others && others->priority && !own.priority;
-  const Interior* const with = hidden || weaker ? others : &own;
-  const Interior* const after = entering || staysInside ? with : others;
+  const Interior* const here = ruling();
+  const Interior* const without = known ? rulingWithout(interior.object) : here;
+  // Leaving what was never entered counts as if it had been.
+  const Interior* const before = entering || known ? here : rulingWith(interior);
+  const Interior* const after = staysInside ? here : entering ? rulingWith(interior) : without;
   Crossing crossing;
-  crossing.iorBefore = iorOf(entering && !staysInside ? others : with);
+  crossing.iorBefore = iorOf(before);
   crossing.iorAfter = iorOf(after);
   crossing.mediumAfter = after ? mediumOf(*after) : nullptr;
-  if (interior.priority) crossing.isHit = !hidden && !staysInside;
+  if (!interior.priority) return crossing;
+  const Interior& own = known ? known->interior : interior;
+  const bool isHidden = without && without->priority && own.priority && !isStronger(*own.priority, *without->priority);
+  crossing.isHit = !isHidden && !staysInside;
   return crossing;
 }
 

@@ -49,11 +49,11 @@ struct Crossing {
 /// The interiors around a point of a path. After Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
 /// Images", with these rules for what that paper leaves open:
 /// - the interior of the highest priority rules; of equal ones the one entered first, until its last exit, so that
-/// equal
-///   priorities merge into one interior without a surface between them;
+///   equal priorities merge into one interior without a surface between them;
 /// - a surface without priority is always hit; it supplies medium and index where no prioritised interior is active,
-/// the
-///   one entered last if there are several;
+///   the one entered last if there are several. Where another one stays in force on both sides it bends nothing.
+///   (What is inside of two of them depends on the way there, so light may be caught between three for ever;
+///   priorities say what is where);
 /// - entering what one is inside of already counts up, and as many exits lead out;
 /// - leaving what was never entered changes nothing; the crossing is judged as if it had been entered.
 class MediumStack {
@@ -90,6 +90,7 @@ class MediumStack {
 
   bool isStronger(int a, int b) const { return order_ == PriorityOrder::higherWins ? a > b : a < b; }
   const Interior* rulingWithout(std::uint32_t object) const;
+  const Interior* rulingWith(const Interior& entered) const;
   const Entry* find(std::uint32_t object) const;
 
   PriorityOrder order_;

@@ -132,10 +132,13 @@ void crossBoundary(PathContext& path, PathState& state, const accel::SurfaceHit&
   path.statistics().work.add(Work::mediumBoundary);
   const PreparedObject& object = path.scene().objects[hit.object];
   if (!path.scene().nestsMedia) {
-    state.boundaryMedium = hit.entering ? object.interior : object.exterior;
+    state.boundaryMedium = object.behind(hit.entering, state.boundaryMedium);
     return;
   }
-  path.media.cross(boundaryInterior(path.scene(), hit.object), hit.entering, path.statistics().media);
+  const auto interior = boundaryInterior(path.scene(), hit.object);
+  if (!interior) return;
+  path.statistics().work.add(Work::nesting);
+  path.media.cross(*interior, hit.entering, path.statistics().media);
   state.boundaryMedium = ruler(path, object.exterior);
 }
 
@@ -222,7 +225,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   radiance.alpha = std::max(radiance.alpha, 1 - std::clamp(average(closures.mix().holdout()), 0.0f, 1.0f));
   const bool isHidden = scene.path.hideEmitters && state.length == 1;
   if (object.light && !isHidden) {
-    Color emitted = metLight(scene, *object.light, hit, state.ray.direction, state.direction);
+    Color emitted = metLight(scene, *object.light, hit, state.ray, state.direction);
     if (scene.isTextured(*object.light)) {
       const shading::ShadingPoint met = shadingPointOf(scene, hit, state.ray);
       emitted *= co_await lightTexture(path, *object.light, met);
@@ -244,7 +247,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   if (nesting.isInterface) {
     behind = nesting.crossing.mediumAfter;
   } else if (!scene.nestsMedia) {
-    behind = hit.entering ? object.interior : object.exterior;
+    behind = object.behind(hit.entering, state.boundaryMedium);
   }
   const bool lightsPassed = state.lightsReach && object.passesShadows;
   const SurfaceVertex vertex(hit, closures.mix(), {state.boundaryMedium, path.media},

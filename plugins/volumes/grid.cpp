@@ -139,7 +139,6 @@ class ActiveVoxels {
  private:
   std::string addFrustum(const VoxelGrid& grid) {
     if (grid.info().frustum != frustum_) return "its frustum is not that of the first grid";
-    if (carried_.velocity) return "what stands in a frustum cannot be carried by a velocity grid";
     hasFirst_ = true;
     for (const VoxelBox& box : grid.activeBoxes()) boxes_.push_back(box);
     return {};
@@ -231,6 +230,7 @@ Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& ar
     arguments.warnings.warning(arguments.volume.origin.of("overlay_cells"),
                                "'overlay_cells' means nothing here: the voxels do not stand in a frustum", {});
   }
+  if (arguments.makesRoomForCarried) *arguments.makesRoomForCarried = true;
   grid::ActiveTree tree(active.boxes(), interpolationOf(arguments.volume.get<std::string>("interpolation")));
   return {std::make_unique<GridVolume>(arguments.toWorld, active.toFile(), active.toIndex(), std::move(tree))};
 }

@@ -148,8 +148,9 @@ TEST(TransformationBlur, MovingCameraAgainstMovingWorld) {
 }
 
 struct Moved {
-  const char* name;
+  std::string name;
   std::string content;
+  std::string integrator = R"(<integer name="max_depth" value="3"/>)";
 };
 
 class AgainstStills : public ::testing::TestWithParam<Moved> {};
@@ -182,6 +183,42 @@ std::vector<Moved> moved() {
   all.push_back({"surfaces", light + R"(<shape type="cube">)" + swing +
                                  R"(<bsdf type="diffuse"/></shape><shape type="rectangle"><transform name="to_world">
       <rotate x="1" angle="-90"/><scale value="9"/><translate y="-1.5"/></transform></shape>)"});
+  const std::string stretch = animation({{0, R"(<scale x="0.5" y="0.2" z="0.3"/><translate x="-0.4" y="0.9"/>)"},
+                                         {1, R"(<scale x="0.2" y="0.6" z="0.3"/><rotate x="1" y="1" angle="80"/>
+                                                <translate x="0.4" y="1.1"/>)"}});
+  const std::string slide = animation({{0, R"(<scale value="0.3"/><translate x="-0.8" y="1.2"/>)"},
+                                       {1, R"(<scale value="0.3"/><translate x="0.8" y="1.2"/>)"}});
+  const std::string glow = R"(<emitter type="area"><rgb name="radiance" value="5"/></emitter></shape>)";
+  const std::string floor = R"(<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/>
+      <scale value="9"/><translate y="-1"/></transform></shape>)";
+  // Its noiseless part tells how much the noise of the rest matters.
+  const std::string dusk = R"(<emitter type="constant"><rgb name="radiance" value="0.06"/></emitter>)";
+  const std::string lit = R"(<integer name="max_depth" value="2"/><boolean name="hide_emitters" value="true"/>)";
+  for (const char* shape : {"sphere", "rectangle", "disk", "cylinder", "cube"}) {
+    all.push_back({fmt::format("light_{}", shape),
+                   floor + dusk + fmt::format(R"(<shape type="{}">)", shape) + stretch + glow, lit});
+  }
+  all.push_back({"light_ball", floor + R"(<shape type="sphere">)" + slide + glow, lit});
+  const std::string room = floor + R"(<volume type="sphere"><medium type="homogeneous">
+      <rgb name="sigma_t" value="0.4"/><rgb name="albedo" value="0.7"/></medium></volume>)";
+  all.push_back(
+      {"light_point", room + R"(<emitter type="point"><rgb name="intensity" value="2"/>)" +
+                          animation({{0, R"(<translate x="-0.8" y="1.2"/>)"}, {1, R"(<translate x="0.8" y="1.4"/>)"}}) +
+                          "</emitter>"});
+  all.push_back({"light_spot", room + R"(<emitter type="spot"><rgb name="intensity" value="4"/>)" +
+                                   animation({{0, R"(<rotate x="1" angle="90"/><rotate z="1" angle="-20"/>
+                                                     <translate x="-0.4" y="2"/>)"},
+                                              {1, R"(<rotate x="1" angle="90"/><rotate z="1" angle="20"/>
+                                                     <translate x="0.4" y="2"/>)"}}) +
+                                   "</emitter>"});
+  std::string many = room;
+  for (int i = 0; i < 20; ++i) {
+    many +=
+        fmt::format(R"(<emitter type="point"><rgb name="intensity" value="0.1"/>{}</emitter>)",
+                    animation({{0, fmt::format(R"(<translate x="{}" y="1.2"/>)", 0.1 * i - 1)},
+                               {1, fmt::format(R"(<translate x="{}" y="1.4" z="{}"/>)", 0.1 * i - 1, 0.1 * i - 1)}}));
+  }
+  all.push_back({"light_tree", many});
   return all;
 }
 
@@ -189,17 +226,20 @@ INSTANTIATE_TEST_SUITE_P(Scenes, AgainstStills, ::testing::ValuesIn(moved()),
                          [](const auto& test) { return test.param.name; });
 
 TEST_P(AgainstStills, IsTheirMean) {
-  const std::string depth = R"(<integer name="max_depth" value="3"/>)";
   const auto load = [&](double open, double close, int seed) {
-    return loadScene(depth, {.fov = 34, .width = 12, .height = 12, .seed = seed, .medium = shutter(open, close)},
-                     GetParam().content);
+    // Lights are looked at by the floor that they light.
+    const char* const eye = GetParam().name.starts_with("light") ? "0, 4, -2" : "0, 0, -5";
+    return loadScene(
+        GetParam().integrator,
+        {.origin = eye, .fov = 34, .width = 12, .height = 12, .seed = seed, .medium = shutter(open, close)},
+        GetParam().content);
   };
   const TestScene scene = load(0, 1, 0);
   ASSERT_TRUE(scene.scene());
   EXPECT_TRUE(scene.scene()->changes);
   int seed = 0;
-  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, 64, 32);
-  EXPECT_TRUE(showsTheMean(*scene.render(2048), mean));
+  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, 64, 64);
+  EXPECT_TRUE(showsTheMean(*scene.render(4096), mean));
 }
 
 /// A picture of one instant is that of the scene as it then stands, to the last bit.

@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <array>
+#include <fstream>
+
 #include "tests/render/film_checks.h"
+#include "tests/support/scratch_folder.h"
 
 // Surface-defined media that overlap: priorities, indices and interiors against closed forms.
 
@@ -33,6 +37,90 @@ TEST(NestedMedia, FourDielectricsLoseAndMakeNoLight) {
   const TestScene scene = loadScene(manyBounces, {.fov = 40}, std::string(sky) + balls);
   ASSERT_TRUE(scene.scene());
   EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return skyColor; }));
+}
+
+/// Bodies without priority that overlap, left in the order in which they were entered, and one with a priority.
+TEST(NestedMedia, OverlappingBodiesWithoutPriorityLoseAndMakeNoLight) {
+  for (const char* more : {"", "ball"}) {
+    const std::string balls =
+        ball(0, 0, 1.2, 1.5, 0) + ball(0.6, 0.2, 1, 1.33, 0) + (*more ? ball(-0.3, -0.5, 0.8, 1.8, 2) : std::string());
+    const TestScene scene = loadScene(manyBounces, {.fov = 40}, std::string(sky) + balls);
+    ASSERT_TRUE(scene.scene());
+    EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return skyColor; }));
+  }
+}
+
+/// A ball of absorbing fog that only bounds it.
+std::string fogBall(double x, double z, double radius, double sigma, const std::string& more = "") {
+  return fmt::format(R"(<shape type="sphere"><point name="center" x="{}" y="0" z="{}"/><float name="radius" value="{}"/>
+      <bsdf type="null"/><medium name="interior" type="homogeneous"><rgb name="sigma_t" value="{}"/>
+      <rgb name="albedo" value="0"/></medium>{}</shape>)",
+                     x, z, radius, sigma, more);
+}
+
+/// The sky behind an optical depth on the axis; the view is narrow.
+ExpectedRadiance behind(double depth) {
+  return [depth](const Ray<World>&) { return skyColor * static_cast<float>(std::exp(-depth)); };
+}
+const TestSensor narrow{.fov = 0.05, .width = 4, .height = 4};
+
+/// Where interiors without priority overlap, the one entered last holds; what is left first leaves the other one.
+TEST(MediumBoundaries, OverlapAsEnteredLast) {
+  // From z = -1 to 0 the first one, to 2 the second.
+  const std::string both = fogBall(0, 0, 1, 0.1) + fogBall(0, 1, 1, 0.4);
+  const double depth = 1 * 0.1 + 2 * 0.4;
+  const TestScene scene = loadScene("", narrow, std::string(sky) + both);
+  ASSERT_TRUE(scene.scene());
+  EXPECT_TRUE(scene.scene()->nestsMedia);
+  EXPECT_TRUE(shows(scene, *scene.render(16384), behind(depth)));
+  // Something else with a priority far away changes nothing.
+  const TestScene more = loadScene("", narrow, std::string(sky) + both + ball(40, 0, 1, 1.5, 3));
+  EXPECT_TRUE(shows(more, *more.render(16384), behind(depth)));
+  // One alone needs no stack.
+  EXPECT_FALSE(
+      loadScene("", narrow, std::string(sky) + fogBall(0, 0, 1, 0.1) + fogBall(9, 0, 1, 0.1)).scene()->nestsMedia);
+}
+
+TEST(MediumBoundaries, TheCameraInsideOfOneIsInItsMedium) {
+  const TestScene scene = loadScene("", narrow, std::string(sky) + fogBall(0, -5, 2, 0.3));
+  EXPECT_TRUE(shows(scene, *scene.render(16384), behind(0.3 * (2 - 0.01))));
+}
+
+/// A surface that says nothing of media leaves them as they are, as in other renderers: glass in fog is full of it.
+TEST(MediumBoundaries, GlassInFogLeavesItAsItIs) {
+  const std::string clear = R"(<shape type="sphere"><float name="radius" value="0.5"/>
+      <bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1"/></bsdf></shape>)";
+  for (const char* priority : {"", R"(<integer name="priority" value="1"/>)"}) {
+    const TestScene scene = loadScene(manyBounces, narrow, std::string(sky) + fogBall(0, 0, 2, 0.25, priority) + clear);
+    EXPECT_TRUE(shows(scene, *scene.render(16384), behind(1))) << priority;
+  }
+  const std::string none = R"(<shape type="sphere"><float name="radius" value="0.5"/><bsdf type="null"/></shape>)";
+  const TestScene scene = loadScene("", narrow, std::string(sky) + fogBall(0, 0, 2, 0.25) + none);
+  EXPECT_TRUE(shows(scene, *scene.render(16384), behind(1)));
+}
+
+/// A mesh may have shells within shells: each is entered and left.
+TEST(MediumBoundaries, ShellsOfOneMeshWithinEachOther) {
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "shells.obj").string();
+  std::ofstream obj(file);
+  for (const double half : {1.0, 0.5}) {
+    for (int i = 0; i < 8; ++i)
+      obj << "v " << (i & 1 ? half : -half) << ' ' << (i & 2 ? half : -half) << ' ' << (i & 4 ? half : -half) << '\n';
+  }
+  for (int first : {1, 9}) {
+    for (const auto& quad :
+         {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
+      obj << "f " << first + quad[0] << ' ' << first + quad[1] << ' ' << first + quad[2] << ' ' << first + quad[3]
+          << '\n';
+  }
+  obj.close();
+  const TestScene scene = loadScene("", narrow,
+                                    std::string(sky) + fmt::format(R"(<shape type="obj">
+      <string name="filename" value="{}"/><bsdf type="null"/><medium name="interior" type="homogeneous">
+      <rgb name="sigma_t" value="0.4"/><rgb name="albedo" value="0"/></medium></shape>)",
+                                                                   file));
+  EXPECT_TRUE(shows(scene, *scene.render(16384), behind(0.8)));
 }
 
 TEST(NestedMedia, TheCameraInsideOfThreeKnowsWhereItIs) {

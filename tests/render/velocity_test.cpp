@@ -135,12 +135,65 @@ TEST(VelocityAgainstStills, IsTheirMean) {
         R"(<integer name="max_depth" value="3"/>)",
         {.fov = 24, .width = 12, .height = 12, .seed = seed, .medium = shutter(open, close)},
         drifting(R"(<string name="velocity" value="velocity"/><float name="reference_time" value="0.5"/>)",
-                 R"(<float name="soft" value="1"/><float name="turn" value="2"/><float name="density" value="5"/>
+                 R"(<float name="soft" value="1"/><float name="turn" value="1"/><float name="density" value="5"/>
                               <vector name="wind" value="0.5, 0, 0"/><rgb name="albedo" value="0.8"/>)"));
   };
   int seed = 0;
   const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, 64, 32);
   EXPECT_TRUE(showsTheMean(*load(0, 1, 0).render(2048), mean));
+}
+
+/// What fills a primitive to its rim is carried out of it, and nothing comes in from outside: a translation of all of
+/// it.
+TEST(VelocityAgainstTransformation, MatterLeavesThePrimitive) {
+  const std::string medium =
+      R"(<medium type="drift"><float name="radius" value="100"/><float name="density" value="1.5"/>
+      <rgb name="albedo" value="0.5"/><vector name="wind" value="1.6, 0.5, 0"/>
+      <string name="distance" value="{}"/></medium></volume>)";
+  const std::string motion = R"(<animation name="to_world"><transform time="0"><scale value="0.5"/></transform>
+      <transform time="1"><scale value="0.5"/><translate value="1.6, 0.5, 0"/></transform></animation>)";
+  const std::string place = R"(<transform name="to_world"><scale value="0.5"/></transform>
+      <string name="velocity" value="velocity"/>)";
+  const std::string depth = R"(<integer name="max_depth" value="3"/>)";
+  for (const char* shape : {"box", "sphere", "cylinder", "cone"}) {
+    for (const char* distance : {"null", "marching"}) {
+      const auto load = [&](const std::string& placement, int seed) {
+        return loadScene(depth, {.fov = 30, .width = 12, .height = 12, .seed = seed, .medium = shutter(0, 1)},
+                         std::string(whiteSky) + fmt::format(R"(<volume type="{}">)", shape) + placement +
+                             fmt::format(fmt::runtime(medium), distance));
+      };
+      const TestScene carried = load(place, 0), moved = load(motion, 1);
+      ASSERT_TRUE(carried.scene() && moved.scene());
+      EXPECT_TRUE(showTheSame(*carried.render(2048), *moved.render(2048))) << shape << " " << distance;
+    }
+  }
+}
+
+/// A still far from the reference time: the primitive itself is empty.
+TEST(VelocityStill, IsWhereItWasCarried) {
+  const std::string medium = R"(<medium type="drift"><float name="radius" value="100"/>
+      <vector name="wind" value="3, 0, 0"/></medium></volume>)";
+  const TestScene still = loadScene("", {.fov = 30, .medium = shutter(0.5, 0.5)},
+                                    std::string(whiteSky) + R"(<volume type="box"><transform name="to_world">
+      <scale value="0.5"/></transform><string name="velocity" value="velocity"/>)" +
+                                        medium);
+  const TestScene moved = loadScene("", {.fov = 30, .seed = 1},
+                                    std::string(whiteSky) + R"(<volume type="box">
+      <transform name="to_world"><scale value="0.5"/><translate x="1.5"/></transform>)" +
+                                        medium);
+  EXPECT_TRUE(showTheSame(*still.render(1024), *moved.render(1024)));
+}
+
+/// Velocities that grow with the distance have no bounds: that is told.
+TEST(VelocityStill, WithoutBoundsIsTold) {
+  const TestScene scene =
+      loadScene("", {.medium = shutter(0, 1)},
+                R"(<volume type="box"><string name="velocity" value="velocity"/><medium type="drift">
+                <float name="turn" value="3"/></medium></volume>)",
+                {.mayWarn = true});
+  ASSERT_TRUE(scene.scene());
+  EXPECT_NE(scene.warnings().find("nothing bounds this velocity: what it carries beyond ("), std::string::npos)
+      << scene.warnings();
 }
 
 /// A soft ball of radius 0.5 in voxels of 0.05, and its velocity, stored where the ball is and nowhere else.

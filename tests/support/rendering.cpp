@@ -70,7 +70,8 @@ TestScene::TestScene(const std::string& xml, const SceneOptions& options) {
     ADD_FAILURE() << format(prepared.errors());
     return;
   }
-  if (!options.mayWarn) EXPECT_TRUE(warnings.empty()) << format(warnings);
+  warnings_ = format(warnings);
+  if (!options.mayWarn) EXPECT_TRUE(warnings.empty()) << warnings_;
   scene_ = std::move(*prepared);
 }
 

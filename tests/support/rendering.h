@@ -33,6 +33,8 @@ class TestScene {
 
   /// Null when something was wrong.
   const render::PreparedScene* scene() const { return scene_.get(); }
+  /// Of preparation, as they are printed.
+  const std::string& warnings() const { return warnings_; }
   const scene::SceneDescription& description() const { return *description_; }
   const render::Integrator& integrator() const;
 
@@ -45,6 +47,7 @@ class TestScene {
  private:
   std::optional<scene::SceneDescription> description_;
   std::unique_ptr<const render::PreparedScene> scene_;
+  std::string warnings_;
 };
 
 /// A perspective camera and a film with a box filter, as XML: what most test scenes begin with.

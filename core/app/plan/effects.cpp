@@ -169,12 +169,12 @@ class EffectList {
       const bool hasInterior = std::any_of(closures.begin(), closures.end(), [](const render::Closure* c) {
         return c && c->kind() == render::ClosureKind::interior;
       });
-      if (hasInterior) {
+      if (hasInterior || scene_.objects[i].separatesMedia()) {
         dielectrics.add(scene_.shading.family(scene_.objects[i].material).program->name,
                         description_.shapes[i].origin.location);
       }
     }
-    add("nested-media", dielectrics, "no surface shader says what is inside: paths keep no stack of media",
+    add("nested-media", dielectrics, "no two interiors meet, nor one the camera: paths keep no stack of media",
         countOf(Work::nesting));
   }
 

@@ -30,10 +30,15 @@ void addMotionEffects(const scene::SceneDescription& description, const render::
                      scene.changes,
                      countOf(render::Work::time),
                      {}});
-  Names cameras, shapes, volumes, velocities, held;
+  Names cameras, shapes, lights, volumes, velocities, held;
   if (scene.camera->motion()) cameras.add("the camera", description.sensor.origin.location);
   for (const scene::Shape& shape : description.shapes) {
-    if (shape.toWorld.motionDuring(shutter)) shapes.add("a shape", shape.origin.location);
+    if (!shape.toWorld.motionDuring(shutter)) continue;
+    shapes.add("a shape", shape.origin.location);
+    if (shape.emitter) lights.add("a light", shape.emitter->origin.location);
+  }
+  for (const scene::Emitter& emitter : description.emitters) {
+    if (emitter.toWorld.motionDuring(shutter)) lights.add("a light", emitter.origin.location);
   }
   for (const scene::Volume& volume : description.volumes) {
     if (volume.toWorld.motionDuring(shutter)) volumes.add(volume.type, volume.origin.location);
@@ -45,6 +50,7 @@ void addMotionEffects(const scene::SceneDescription& description, const render::
   effects.push_back(effectOf("moving-camera", cameras, still, countOf(render::Work::cameraMotion)));
   effects.push_back(effectOf("moving-shapes", shapes, still,
                              [](const render::WorkerStatistics& s) { return s.accel.movingSurfaceTests; }));
+  effects.push_back(effectOf("moving-lights", lights, still, countOf(render::Work::movingLight)));
   effects.push_back(effectOf("moving-volumes", volumes, still,
                              [](const render::WorkerStatistics& s) { return s.accel.movingVolumeTests; }));
   effects.push_back(

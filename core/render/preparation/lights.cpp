@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/render/medium_preparation.h"
+#include "core/render/moving_light.h"
 #include "core/render/picture_aspect.h"
 #include "core/render/preparation/shapes.h"
 #include "core/render/surface_closures.h"
@@ -72,23 +73,30 @@ SkyPicture skyPicture(Preparation& state, const scene::Emitter& emitter, shading
   return picture;
 }
 
+/// The light as it stands when the shutter opens, or in the space that moves.
+scene::Emitter standing(const Preparation& state, const scene::Emitter& emitter, bool moves) {
+  scene::Emitter still = emitter;
+  if (emitter.toWorld.keys.empty()) return still;
+  still.toWorld = moves ? Transform<World, Object>() : state.atOpening(emitter.toWorld);
+  still.position = still.toWorld(Point<Object>(0, 0, 0));
+  return still;
+}
+
 }  // namespace
 
 void bindLightTextures(Preparation& state) {
-  const auto bind = [&](const scene::Emitter& emitter, const Transform<World, Object>& toWorld) {
+  const auto bind = [&](const scene::Emitter& emitter, const scene::Placement<World, Object>& toWorld) {
     state.lightTextures.emplace_back();
     if (!emitter.texture) return;
-    auto bound = bindShader(state.description.materials[*emitter.texture], "surface", toWorld, state.shaderSources(),
-                            state.scene->shading, state.warnings);
-    if (bound) {
-      state.lightTextures.back() = *bound;
-    } else {
-      state.appendNew(bound.errors());
-    }
+    auto bound = bindShader(state.description.materials[*emitter.texture], "surface", state.atOpening(toWorld),
+                            state.shaderSources(), state.scene->shading, state.warnings);
+    if (!bound) return state.appendNew(bound.errors());
+    state.lightTextures.back() = *bound;
+    if (const auto motion = state.motionOf(toWorld)) state.scene->shading.setMotion(*bound, MovingPlace(motion));
   };
   for (const scene::Emitter& emitter : state.description.emitters) bind(emitter, emitter.toWorld);
   for (const scene::Shape& shape : state.description.shapes) {
-    if (shape.emitter) bind(*shape.emitter, state.atOpening(shape.toWorld));
+    if (shape.emitter) bind(*shape.emitter, shape.toWorld);
   }
 }
 
@@ -96,9 +104,11 @@ void addLights(Preparation& state) {
   giveMeshAttributes(state);
   std::vector<std::unique_ptr<const Light>> lights;
   std::size_t next = 0;
-  const auto add = [&](const scene::Emitter& emitter, std::shared_ptr<const LightSurface> surface) {
+  const auto add = [&](const scene::Emitter& emitter, const scene::Placement<World, Object>& toWorld,
+                       std::shared_ptr<const LightSurface> surface) {
     const std::optional<shading::InstanceRef> texture = state.lightTextures[next++];
-    scene::Emitter shown = emitter;
+    const auto motion = state.motionOf(toWorld);
+    scene::Emitter shown = standing(state, emitter, motion != nullptr);
     if (!shown.aspect) shown.aspect = pictureAspect(state.description, emitter, *state.scene->services);
     const bool isSky = emitter.type == scene::EmitterType::background;
     if (isSky && !texture) return false;
@@ -110,10 +120,12 @@ void addLights(Preparation& state) {
       state.errors.append(light.errors());
       return false;
     }
-    lights.push_back(std::move(*light));
+    state.scene->hasMovingLights = state.scene->hasMovingLights.isCalledFor() || motion;
+    lights.push_back(motion ? makeMovingLight(std::move(*light), MovingPlace(motion), state.scene->shutter)
+                            : std::move(*light));
     return true;
   };
-  for (const scene::Emitter& emitter : state.description.emitters) add(emitter, nullptr);
+  for (const scene::Emitter& emitter : state.description.emitters) add(emitter, emitter.toWorld, nullptr);
   for (std::size_t i = 0; i < state.description.shapes.size(); ++i) {
     const scene::Shape& shape = state.description.shapes[i];
     if (!shape.emitter) continue;
@@ -123,7 +135,8 @@ void addLights(Preparation& state) {
       ++next;
       continue;
     }
-    if (add(*shape.emitter, surface)) state.scene->objects[i].light = static_cast<std::uint32_t>(lights.size() - 1);
+    if (add(*shape.emitter, shape.toWorld, surface))
+      state.scene->objects[i].light = static_cast<std::uint32_t>(lights.size() - 1);
   }
   std::vector<std::uint32_t> glowing;
   for (const volume::Medium& medium : state.scene->media) {

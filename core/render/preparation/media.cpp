@@ -199,9 +199,39 @@ void findVoxels(Preparation& state) {
 
 }  // namespace
 
+bool interiorsMayMeet(const Preparation& state, Point<World> eye, float reach) {
+  std::vector<Box<World>> boxes;
+  for (std::size_t i = 0; i < state.description.shapes.size(); ++i) {
+    const PreparedObject& object = state.scene->objects[i];
+    const scene::Shape& shape = state.description.shapes[i];
+    if (!object.interior && !object.exterior) continue;
+    if ((shape.isFromFile() && object.interior) || shape.toWorld.motionDuring(state.scene->shutter)) return true;
+    const Box<World> box = state.scene->geometry->surfaceBounds(static_cast<accel::ObjectId>(i));
+    if (!box.isEmpty()) boxes.push_back(box);
+  }
+  if (boxes.empty()) return false;
+  if (state.scene->camera->motion()) return true;
+  const auto meet = [](const Box<World>& a, const Box<World>& b) {
+    for (int i = 0; i < 3; ++i) {
+      // Faces that touch are met in either order.
+      const float slack = 1e-5f * (std::fabs(a.lower[i]) + std::fabs(a.upper[i]));
+      if (a.lower[i] > b.upper[i] + slack || a.upper[i] < b.lower[i] - slack) return false;
+    }
+    return true;
+  };
+  const Vector<World> around(reach, reach, reach);
+  boxes.push_back({eye - around, eye + around});
+  constexpr std::size_t most = 4096;
+  if (boxes.size() > most) return true;
+  for (std::size_t i = 1; i < boxes.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (meet(boxes[i], boxes[j])) return true;
+    }
+  }
+  return false;
+}
+
 void decideMedia(Preparation& state) {
-  // Without bounds kernels nothing is proven, and that is all: the programs themselves have been compiled.
-  static_cast<void>(state.scene->shading.compileBounds(*state.options.compiler, {state.options.target, false}));
   placeInteriors(state);
   state.errors.append(state.links.read(
       [&](const volume::Medium& medium, const VolumeLook& look) { return copyMedium(state, medium, look); }));

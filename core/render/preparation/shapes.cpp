@@ -7,10 +7,6 @@ namespace aerosol::render {
 
 namespace {
 
-Transform<World, Object> sphereToWorld(const Preparation& state, const scene::Shape& shape) {
-  return ballPlacement(state.atOpening(shape.toWorld), shape.center, shape.radius);
-}
-
 /// From the cylinder of radius 1 from z = 0 to 1 to the shape's own space.
 Transform<World, Object> cylinderPlacement(const scene::Shape& shape) {
   const Vector<Object> along = shape.end - shape.center;
@@ -27,8 +23,8 @@ Transform<World, Object> cylinderPlacement(const scene::Shape& shape) {
   return {place, inverse};
 }
 
-Transform<World, Object> cylinderToWorld(const Preparation& state, const scene::Shape& shape) {
-  const Transform<World, Object> place = cylinderPlacement(shape), toWorld = state.atOpening(shape.toWorld);
+Transform<World, Object> cylinderToWorld(const scene::Shape& shape, const Transform<World, Object>& toWorld) {
+  const Transform<World, Object> place = cylinderPlacement(shape);
   return {multiply(toWorld.matrix(), place.matrix()), multiply(place.inverseMatrix(), toWorld.inverseMatrix())};
 }
 
@@ -54,13 +50,6 @@ Result<accel::TriangleMesh> meshOf(Preparation& state, const scene::Shape& shape
 Result<accel::ObjectId> addMovingShape(Preparation& state, const scene::Shape& shape,
                                        const std::shared_ptr<const Motion>& motion, bool passThrough) {
   using scene::ShapeType;
-  if (shape.emitter) {
-    return Diagnostic{Severity::error,
-                      shape.emitter->origin.location,
-                      "a shape that moves while the shutter is open cannot emit",
-                      {},
-                      {"give the shape one transform, or let its material glow"}};
-  }
   if (shape.type == ShapeType::sphere) {
     const MovingPlace place(motion, asObject(ballPlacement(Transform<World, Object>(), shape.center, shape.radius)));
     return state.builder.addSphere(place, passThrough, shape.flipNormals);
@@ -80,10 +69,10 @@ Result<accel::ObjectId> addShape(Preparation& state, const scene::Shape& shape, 
   if (const auto motion = state.motionOf(shape.toWorld)) return addMovingShape(state, shape, motion, passThrough);
   const Transform<World, Object> toWorld = state.atOpening(shape.toWorld);
   if (shape.type == ShapeType::sphere)
-    return state.builder.addSphere(sphereToWorld(state, shape), passThrough, shape.flipNormals);
+    return state.builder.addSphere(ballPlacement(toWorld, shape.center, shape.radius), passThrough, shape.flipNormals);
   if (shape.type == ShapeType::disk) return state.builder.addDisk(toWorld, passThrough, shape.flipNormals);
   if (shape.type == ShapeType::cylinder)
-    return state.builder.addCylinder(cylinderToWorld(state, shape), passThrough, shape.flipNormals);
+    return state.builder.addCylinder(cylinderToWorld(shape, toWorld), passThrough, shape.flipNormals);
   auto mesh = meshOf(state, shape, toWorld);
   if (!mesh) return mesh.errors();
   return state.builder.addMesh(std::move(*mesh), passThrough);
@@ -110,13 +99,16 @@ void addVolumes(Preparation& state) {
     const VolumeType& type = *state.registry.volume(volume.type);
     const auto motion = state.motionOf(volume.toWorld);
     const scene::Volume still = state.standing(volume, motion != nullptr);
-    auto shape = type.make({still, type.place(still), state.description.searchPath, state.warnings,
-                            state.scene->services.get(), carriedBy(state, volume)});
+    const Transform<World, Object> standing = type.place(still);
+    bool hasRoom = false;
+    auto shape = type.make({still, standing, state.description.searchPath, state.warnings, state.scene->services.get(),
+                            carriedBy(state, volume), &hasRoom});
     if (!shape) {
       state.appendAt(volume.origin.location, shape.errors());
       continue;
     }
     Box<World> bounds = (*shape)->worldBounds();
+    *shape = carry(state, volume, state.scene->volumes[i]->index, standing, hasRoom, std::move(*shape));
     if (motion) bounds = placed(bounds, MovingPlace(motion).at(state.scene->shutter.open));
     for (const volume::Medium* medium :
          {state.scene->volumes[i], state.scene->shadowVolumes[i], state.scene->cameraVolumes[i]}) {
@@ -147,25 +139,43 @@ void buildGeometry(Preparation& state) {
   }
 }
 
-std::unique_ptr<const LightSurface> lightSurface(const Preparation& state, const scene::Shape& shape,
-                                                 accel::ObjectId object) {
+namespace {
+
+std::unique_ptr<const LightSurface> surfaceOf(const scene::Shape& shape, const Transform<World, Object>& toWorld,
+                                              const accel::TriangleMesh* mesh) {
   switch (shape.type) {
     case scene::ShapeType::sphere:
-      return makeSphereLight(sphereToWorld(state, shape), shape.flipNormals);
+      return makeSphereLight(ballPlacement(toWorld, shape.center, shape.radius), shape.flipNormals);
     case scene::ShapeType::disk:
-      return makeDiskLight(state.atOpening(shape.toWorld), shape.flipNormals);
+      return makeDiskLight(toWorld, shape.flipNormals);
     case scene::ShapeType::cylinder:
-      return makeCylinderLight(cylinderToWorld(state, shape), shape.flipNormals);
+      return makeCylinderLight(cylinderToWorld(shape, toWorld), shape.flipNormals);
     case scene::ShapeType::rectangle:
-      return makeRectangleLight(state.atOpening(shape.toWorld), shape.flipNormals);
+      return makeRectangleLight(toWorld, shape.flipNormals);
     default:
-      break;
+      return makeMeshLight(*mesh);
   }
-  const accel::TriangleMesh& mesh = *state.scene->geometry->mesh(object);
-  if (!shape.toWorld.motionDuring(state.scene->shutter)) return makeMeshLight(mesh);
-  accel::TriangleMesh placed = mesh;
-  accel::transformMesh(placed, state.atOpening(shape.toWorld));
-  return makeMeshLight(placed);
+}
+
+}  // namespace
+
+std::unique_ptr<const LightSurface> lightSurface(const Preparation& state, const scene::Shape& shape,
+                                                 accel::ObjectId object) {
+  const bool moves = shape.toWorld.motionDuring(state.scene->shutter) != nullptr;
+  return surfaceOf(shape, moves ? Transform<World, Object>() : state.atOpening(shape.toWorld),
+                   state.scene->geometry->mesh(object));
+}
+
+double areaAtOpening(const Preparation& state, const scene::Shape& shape, accel::ObjectId object) {
+  const accel::TriangleMesh* mesh = state.scene->geometry->mesh(object);
+  accel::TriangleMesh moved;
+  if (mesh && shape.toWorld.motionDuring(state.scene->shutter)) {
+    moved = *mesh;
+    accel::transformMesh(moved, state.atOpening(shape.toWorld));
+    mesh = &moved;
+  }
+  const auto surface = surfaceOf(shape, state.atOpening(shape.toWorld), mesh);
+  return surface ? surface->area() : 0;
 }
 
 }  // namespace aerosol::render

@@ -11,8 +11,10 @@ void addVolumes(Preparation& state);
 
 void buildGeometry(Preparation& state);
 
-/// For lights and areas; null for a shape without area.
+/// What of the shape shines, in the space that moves if it does; null for a shape without area.
 std::unique_ptr<const LightSurface> lightSurface(const Preparation& state, const scene::Shape& shape,
                                                  accel::ObjectId object);
+/// Scene units²; 0 for a shape without area.
+double areaAtOpening(const Preparation& state, const scene::Shape& shape, accel::ObjectId object);
 
 }  // namespace aerosol::render

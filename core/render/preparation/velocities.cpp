@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "core/grid/grid_file.h"
+#include "core/render/carried_volume.h"
 #include "core/render/scene_services.h"
+#include "core/shading/bounds.h"
 
 namespace aerosol::render {
 
@@ -120,6 +122,140 @@ CarriedMatter carriedBy(Preparation& state, const scene::Volume& volume) {
   std::string problem;
   const VoxelFile* file = state.scene->services->voxels(fileOfVelocity(volume), problem);
   return {file ? file->find(volume.velocity.grid) : nullptr, secondsOf(state, volume.velocity)};
+}
+
+namespace {
+
+constexpr Box<Object> everywhere{{-1e30f, -1e30f, -1e30f}, {1e30f, 1e30f, 1e30f}};
+
+/// How far velocities carry what is in a box of the shader's space.
+class Carrying {
+ public:
+  Carrying(Preparation& state, const MediumVelocity& velocity, std::uint32_t medium)
+      : state_(state),
+        velocity_(velocity),
+        placed_(state.scene->shading.instance(state.scene->mediumShaders[medium])),
+        host_(state.scene->namedSpaces, state.scene->loopBudget, state.scene->services.get()) {}
+
+  /// `box` grown to hold all that comes out of it: the velocities are those where the matter is, so the box that is
+  /// asked for them grows with it, until it holds what is carried by all within. `isAll`: false where that never comes
+  /// about, as velocities grow with the distance; then it holds what gets out of the box in two rounds, if anything is
+  /// known of the velocities at all, which else is empty.
+  Box<Object> from(const Box<Object>& box, bool& isAll) {
+    constexpr int rounds = 8;
+    isAll = true;
+    if (!placed_.motion) {
+      Box<Object> reached = box;
+      for (int i = 0; i < rounds; ++i) {
+        const Box<Object> next = grown(box, reached);
+        if (next.isEmpty()) break;
+        if (holds(reached, next)) return reached;
+        reached = next;
+        if (i + 2 >= rounds) reached = widened(reached);
+      }
+    }
+    const Box<Object> reached = grown(box, everywhere);
+    isAll = !reached.isEmpty() && length(reached.upper - reached.lower) < 1e25f;
+    return isAll ? reached : grown(box, grown(box, box));
+  }
+
+ private:
+  static bool holds(const Box<Object>& outer, const Box<Object>& inner) {
+    for (int i = 0; i < 3; ++i) {
+      if (inner.lower[i] < outer.lower[i] || inner.upper[i] > outer.upper[i]) return false;
+    }
+    return true;
+  }
+  static Box<Object> widened(Box<Object> box) {
+    const Vector<Object> sides = (box.upper - box.lower) * 0.25f;
+    return {box.lower - sides, box.upper + sides};
+  }
+
+  /// By the velocities of the places `at`.
+  Box<Object> grown(Box<Object> box, const Box<Object>& at) {
+    const shading::Family& family = state_.scene->shading.family(velocity_.shader);
+    if (!family.velocityBounds) return {};
+    const Shutter& shutter = state_.scene->shutter;
+    const shading::VolumeBox asked{at, shutter.open, shutter.close};
+    shading::VelocityBounds bounds;
+    batch_.evaluateVelocity(host_, family, velocity_.shader.index, {&asked, 1}, {&bounds, 1});
+    const auto seconds = [&](float time) {
+      return static_cast<double>(velocity_.factor) *
+             (static_cast<double>(time) - static_cast<double>(velocity_.referenceTime));
+    };
+    const double s0 = seconds(shutter.open), s1 = seconds(shutter.close);
+    std::array<double, 3> low, high;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto v0 = static_cast<double>(bounds.velocity[k].low), v1 = static_cast<double>(bounds.velocity[k].high);
+      if (!std::isfinite(v0) || !std::isfinite(v1)) return {};
+      const auto [least, greatest] = std::minmax({s0 * v0, s0 * v1, s1 * v0, s1 * v1});
+      // A velocity that is no number moves nothing.
+      low[k] = bounds.mayBeNan ? std::min(least, 0.0) : least;
+      high[k] = bounds.mayBeNan ? std::max(greatest, 0.0) : greatest;
+    }
+    if (at.isEmpty()) return {};
+    Box<Object> sum;
+    constexpr int looks = 65;
+    for (int look = 0; look < (placed_.motion ? looks : 1); ++look) {
+      const Matrix4 back = placed_.motion
+                               ? placed_.motion->at(shutter.at(static_cast<float>(look) / (looks - 1))).inverseMatrix()
+                               : placed_.objectToWorld.inverseMatrix();
+      Box<Object> moved = box;
+      for (int i = 0; i < 3; ++i) {
+        const auto row = static_cast<std::size_t>(i);
+        double from = 0, to = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+          from += std::min(back[row][k] * low[k], back[row][k] * high[k]);
+          to += std::max(back[row][k] * low[k], back[row][k] * high[k]);
+        }
+        // Turning, it may reach a little further between two looks.
+        const double slack = (placed_.motion ? 0.02 : 1e-6) * (to - from + std::fabs(from) + std::fabs(to));
+        moved.lower[i] = std::nextafter(static_cast<float>(static_cast<double>(box.lower[i]) + from - slack), -1e38f);
+        moved.upper[i] = std::nextafter(static_cast<float>(static_cast<double>(box.upper[i]) + to + slack), 1e38f);
+      }
+      sum.extend(moved.lower);
+      sum.extend(moved.upper);
+    }
+    return sum;
+  }
+
+  Preparation& state_;
+  const MediumVelocity& velocity_;
+  const shading::Instance& placed_;
+  shading::KernelHost host_;
+  shading::BoundsBatch batch_{16};
+};
+
+}  // namespace
+
+std::unique_ptr<const accel::VolumeShape> carry(Preparation& state, const scene::Volume& volume, std::uint32_t medium,
+                                                const Transform<World, Object>& placed, bool hasRoom,
+                                                std::unique_ptr<const accel::VolumeShape> shape) {
+  const MediumVelocity* const velocity = state.scene->velocityOf(medium);
+  const bool byGrid = !volume.velocity.grid.empty();
+  if (!velocity || (byGrid && hasRoom)) return shape;
+  bool isAll = true;
+  const Box<Object> reach = Carrying(state, *velocity, medium).from(shape->objectBounds(), isAll);
+  if (!isAll) {
+    const std::string where =
+        reach.isEmpty() ? "out of the primitive"
+                        : fmt::format("beyond ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}) of its space", reach.lower.x,
+                                      reach.lower.y, reach.lower.z, reach.upper.x, reach.upper.y, reach.upper.z);
+    state.warnings.warning(volume.origin.of(byGrid ? "velocity_grid" : "velocity"),
+                           "nothing bounds this velocity: what it carries " + where + " is not seen",
+                           {"clamp it in the shader, or make the primitive as large as what is carried"});
+  }
+  if (reach.isEmpty()) return shape;
+  // Where voxels carry voxels there is nothing around them anyway.
+  const bool isConfined = !(byGrid && volume.type == "grid");
+  auto carried = std::make_unique<const CarriedVolume>(std::move(shape), placed, reach);
+  if (isConfined) {
+    for (const auto* each : {&state.scene->volumes, &state.scene->shadowVolumes, &state.scene->cameraVolumes}) {
+      const std::size_t i = static_cast<std::size_t>(&volume - state.description.volumes.data());
+      state.scene->velocities[(*each)[i]->index]->within = carried.get();
+    }
+  }
+  return carried;
 }
 
 }  // namespace aerosol::render
