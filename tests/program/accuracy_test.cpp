@@ -274,6 +274,14 @@ TEST_F(Accuracy, ADoctorFindsWhatIsWrong) {
   EXPECT_THAT(outcome.err, HasSubstr("world point ("));
   EXPECT_THAT(outcome.err, HasSubstr("was above its bound of"));
   EXPECT_THAT(outcome.out, ContainsRegex("ill.xml: [0-9]+ findings"));
+  // What cannot be read, and what nothing uses.
+  folder_.write("inputs.xml", sceneOf(30, 8, 8, R"(<emitter type="constant"/><medium type="homogeneous" id="fog"/>
+  <shape type="sphere"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">
+    <string name="filename" value="none.png"/></texture></bsdf></shape>)"));
+  const Outcome inputs = run({"doctor", "inputs.xml", "--size", "8"}, 1);
+  EXPECT_THAT(inputs.err, ContainsRegex("inputs.xml:8:[0-9]+: warning: medium 'fog' is never referred to"));
+  EXPECT_THAT(inputs.err, HasSubstr("none.png"));
+  EXPECT_THAT(inputs.out, HasSubstr("inputs.xml: 2 findings"));
 }
 
 TEST_F(Accuracy, ACheckTellsEverythingAtOnce) {

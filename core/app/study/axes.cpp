@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/scene/field.h"
 #include "core/scene/value.h"
 
 namespace aerosol::app {
@@ -44,10 +45,10 @@ Result<StudySetting> vary(const StudySetting& base, const StudyAxis& axis, const
     setting.arguments.stepScale = *scale;
     add({"--step-scale", value});
   } else if (axis.parameter == "distance") {
-    if (value != "auto" && value != "marching" && value != "null") return refuse("one of auto, marching, null");
-    setting.arguments.distance = value == "auto"       ? scene::DistanceSampling::automatic
-                                 : value == "marching" ? scene::DistanceSampling::marching
-                                                       : scene::DistanceSampling::nullScattering;
+    constexpr auto& words = scene::Words<scene::DistanceSampling>::words;
+    const auto word = std::find(words.begin(), words.end(), value);
+    if (word == words.end()) return refuse("one of auto, marching, null, relaxed, analytic, delta");
+    setting.arguments.distance = static_cast<scene::DistanceSampling>(word - words.begin());
     add({"--distance", value});
   } else {
     setting.arguments.overrides.push_back(axis.parameter + "=" + value);
@@ -62,6 +63,11 @@ bool variesSteps(const StudyAxis& axis) {
 
 }  // namespace
 
+bool hasClosedFormOfVoxels(const render::PreparedScene& scene) {
+  return std::any_of(scene.media.begin(), scene.media.end(),
+                     [](const volume::Medium& m) { return m.method == volume::DistanceMethod::analytic; });
+}
+
 bool hasVaryingMedium(const render::PreparedScene& scene) {
   return std::any_of(scene.media.begin(), scene.media.end(), [](const volume::Medium& m) { return !m.constant; });
 }
@@ -72,6 +78,8 @@ Result<std::vector<StudySetting>> studySettings(const StudyArguments& arguments,
   std::vector<StudySetting> settings;
   if (arguments.axes.empty()) {
     if (!hasVaryingMedium(scene)) return std::vector{StudySetting{"as the scene is", {}, arguments.render}};
+    // Voxels in closed form are what the scene has by itself.
+    if (hasClosedFormOfVoxels(scene)) settings.push_back({"as the scene is", {}, arguments.render});
     if (allowsNullScattering) settings.push_back(withDistance(arguments, DistanceSampling::nullScattering, 1));
     for (const float scale : {0.5f, 1.0f, 2.0f, 4.0f, 8.0f}) {
       settings.push_back(withDistance(arguments, DistanceSampling::marching, scale));

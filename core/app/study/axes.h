@@ -17,10 +17,14 @@ struct StudySetting {
   RenderArguments arguments;
 };
 
-/// By what the arguments vary; without that null scattering, where the scene allows it, and marching with several
-/// steps. `scene` is the scene as it is. Errors are about the axes.
+/// By what the arguments vary; without that the scene as it is, where voxels have closed forms in it, null scattering,
+/// where the scene allows it, and marching with several steps. `scene` is the scene as it is. Errors are about the
+/// axes.
 Result<std::vector<StudySetting>> studySettings(const StudyArguments& arguments, const render::PreparedScene& scene,
                                                 bool allowsNullScattering);
+
+/// Whether some medium's voxels are solved one by one.
+bool hasClosedFormOfVoxels(const render::PreparedScene& scene);
 
 /// Whether some medium's coefficients vary: otherwise there is nothing to march through.
 bool hasVaryingMedium(const render::PreparedScene& scene);

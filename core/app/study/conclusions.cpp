@@ -71,10 +71,15 @@ std::vector<std::string> conclusions(const StudyResults& results) {
   const StudyRow& best = rows.front();
   std::vector<std::string> sentences;
   const bool isTie = rows.size() > 1 && rows[1].isWithinNoise;
-  sentences.push_back(fmt::format(
-      "In equal time, {} each, {} has the smallest error: {}{}.", formatDuration(equalTime(results)), best.study->name,
-      formatError(best.error),
-      isTie ? fmt::format("; {} with {} is not told from it", rows[1].study->name, formatError(rows[1].error)) : ""));
+  if (rows.size() == 1) {
+    sentences.push_back(fmt::format("In {} its error is {} ({}).", formatDuration(equalTime(results)),
+                                    formatError(best.error), best.study->name));
+  }
+  if (rows.size() > 1)
+    sentences.push_back(fmt::format(
+        "In equal time, {} each, {} has the smallest error: {}{}.", formatDuration(equalTime(results)),
+        best.study->name, formatError(best.error),
+        isTie ? fmt::format("; {} with {} is not told from it", rows[1].study->name, formatError(rows[1].error)) : ""));
   sentences.push_back(halving(best));
   for (const StudyRow& row : rows) sentences.push_back(judgeBias(*row.study));
   if (!results.reference.isUnbiased) {

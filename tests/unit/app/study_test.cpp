@@ -137,6 +137,9 @@ TEST(StudyReport, SaysWhatHalvingTheErrorCosts) {
   EXPECT_THAT(sentences[1], HasSubstr("To halve the error costs 4.0 times the time"));
   EXPECT_THAT(sentences[2], HasSubstr("unbiased: no bias is found"));
   EXPECT_THAT(sentences[3], HasSubstr("biased <&>: bias of 20%"));
+  StudyResults single = results;
+  single.cases.resize(1);
+  EXPECT_THAT(conclusions(single)[0], HasSubstr("its error is 2.5% (unbiased)"));
   const auto rows = sortRows(results);
   EXPECT_EQ(rows[0].study->name, "unbiased");
   EXPECT_FALSE(rows[1].isWithinNoise);

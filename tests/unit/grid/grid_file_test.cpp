@@ -7,7 +7,9 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>
 
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -379,6 +381,48 @@ TEST_F(Grids, MissingAndDamagedFiles) {
     EXPECT_EQ(cut.errors().entries()[0].location.file, path);
   }
   EXPECT_FALSE(tryBytes(std::string(5000, 'x')));
+}
+
+/// OpenVDB writes beyond its buffer where a block says that it is longer; the walk through the file refuses it before.
+TEST_F(Grids, SizesThatLieAreRefused) {
+  auto grid = openvdb::FloatGrid::create();
+  std::mt19937 random(13);
+  auto accessor = grid->getAccessor();
+  // No compression makes these any shorter: the block is kept as it is, with its negative size before it.
+  for (int i = 0; i < 512; ++i)
+    accessor.setValue({i / 64, i / 8 % 8, i % 8},
+                      std::bit_cast<float>(static_cast<std::uint32_t>(random()) & 0xbfffffffu));
+  const std::string path = (folder_ / "lies.vdb").string();
+  openvdb::io::File file(path);
+  file.setCompression(openvdb::io::COMPRESS_ZIP);
+  file.write({grid});
+  file.close();
+  ASSERT_TRUE(readGrids(path));
+  std::ifstream in(path, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  const auto asBytes = [](std::int64_t size) {
+    std::string text(sizeof size, '\0');
+    std::memcpy(text.data(), &size, sizeof size);
+    return text;
+  };
+  const std::size_t at = bytes.rfind(asBytes(-2048));
+  ASSERT_NE(at, std::string::npos);
+  const auto tryBytes = [&](const std::string& content) {
+    std::ofstream(path, std::ios::binary) << content;
+    return readGrids(path);
+  };
+  for (const std::int64_t size : {std::int64_t{-4096}, std::int64_t{-1}, std::int64_t{1} << 40, INT64_MIN}) {
+    const auto lying = tryBytes(std::string(bytes).replace(at, 8, asBytes(size)));
+    ASSERT_FALSE(lying) << size;
+    EXPECT_EQ(lying.errors().entries()[0].location.file, path);
+  }
+  // Whatever byte before the values is another one: grids or an error.
+  for (std::size_t i = 0; i < at; i += i < 1200 ? 1 : 37) {
+    for (const char value : {'\0', '\x7f', '\xff'}) {
+      const auto read = tryBytes(std::string(bytes).replace(i, 1, 1, value));
+      if (!read) EXPECT_FALSE(format(read.errors()).empty());
+    }
+  }
 }
 
 }  // namespace
