@@ -128,6 +128,7 @@ class Walk {
 
   /// Of each leaf one byte, and a size: as many as there can be leaves in the file, which take 64 bytes at least.
   void delayedLoad(std::uint32_t size) {
+    if (size == 0) return;  // Of a grid without leaves.
     if (size < sizeof(std::uint32_t)) fail("a table of leaves");
     const auto count = read<std::uint32_t>();
     if (count > (rest_ + size) / 64) fail("a number of leaves");

@@ -417,7 +417,7 @@ TEST_F(Grids, SizesThatLieAreRefused) {
     EXPECT_EQ(lying.errors().entries()[0].location.file, path);
   }
   // Whatever byte before the values is another one: grids or an error.
-  for (std::size_t i = 0; i < at; i += i < 1200 ? 1 : 37) {
+  for (std::size_t i = 0; i < at; i += i < 1200 ? 5 : 97) {
     for (const char value : {'\0', '\x7f', '\xff'}) {
       const auto read = tryBytes(std::string(bytes).replace(i, 1, 1, value));
       if (!read) EXPECT_FALSE(format(read.errors()).empty());
