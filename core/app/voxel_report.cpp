@@ -1,8 +1,10 @@
 #include "core/app/voxel_report.h"
 
 #include <fmt/format.h>
+
 #include <fmt/ranges.h>
 
+#include <filesystem>
 #include <span>
 
 namespace aerosol::app {
@@ -50,7 +52,11 @@ std::string describeGrid(const VoxelGridInfo& info) {
 }  // namespace
 
 std::string describeVoxels(const std::string& path, const VoxelFile& file) {
-  std::string text = fmt::format("OpenVDB file \"{}\"\n", path);
+  const std::string extension = std::filesystem::path(path).extension().string();
+  const char* const kind = extension == ".avt"   ? "Voxels in time"
+                           : extension == ".vol" ? "Mitsuba volume"
+                                                 : "OpenVDB file";
+  std::string text = fmt::format("{} \"{}\"\n", kind, path);
   for (const auto& grid : file.grids()) text += describeGrid(grid->info());
   return text;
 }

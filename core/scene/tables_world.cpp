@@ -407,7 +407,9 @@ const std::vector<Field<Volume>>& volumeFields() {
           {.name = "to_world", .doc = "the primitive's own space to world", .defaultText = "identity"}),
       control<&VolumeControls::density>(
           {.name = "density", .doc = "factor on the medium's extinction and scattering", .range = Range::atLeast(0)}),
-      control<&VolumeControls::color>({.name = "color", .doc = "factor on the medium's scattering, from 0 to 1"}),
+      control<&VolumeControls::color>({.name = "color",
+                                       .doc = "factor on the medium's scattering, from 0 to 1",
+                                       .range = {.minimum = 0, .maximum = 1}}),
       control<&VolumeControls::emission>(
           {.name = "emission", .doc = "factor on the medium's emission", .range = Range::atLeast(0)}),
       control<&VolumeControls::densityRamp>(

@@ -84,6 +84,14 @@ class GridVolume final : public accel::VolumeShape {
   Box<Object> objectBounds_;
 };
 
+/// A frame of which nothing is active: it takes no room.
+class EmptyVolume final : public accel::VolumeShape {
+ public:
+  Box<World> worldBounds() const override { return {}; }
+  Box<Object> objectBounds() const override { return {}; }
+  bool intersect(const Ray<World>&, accel::IntervalSink&) const override { return true; }
+};
+
 Diagnostic problem(const VolumeArguments& arguments, std::string message) {
   return {Severity::error, arguments.volume.origin.location, std::move(message), {}, {}};
 }
@@ -219,7 +227,11 @@ Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& ar
   }
   if (active.boxes().empty()) {
     const std::string& name = arguments.volume.get<std::string>("grid");
-    return problem(arguments, fmt::format("grid '{}' of '{}' has no active voxels", name, files->front()));
+    const std::string grid = name.empty() ? std::string("the first grid") : fmt::format("grid '{}'", name);
+    arguments.warnings.warning(
+        arguments.volume.origin.location,
+        fmt::format("{} of '{}' has no active voxels: this volume is empty", grid, files->front()), {});
+    return {std::make_unique<EmptyVolume>()};
   }
   const std::int32_t cells = arguments.volume.get<std::int32_t>("overlay_cells");
   if (active.frustum()) {

@@ -26,6 +26,7 @@ class GridSequences : public ::testing::Test {
     std::filesystem::create_directories(folder_);
     writeFrame(folder_ / "f.003.vol", 0.2f);
     writeFrame(folder_ / "f.004.vol", 0.8f);
+    writeFrame(folder_ / "f.005.vol", 0);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
@@ -56,6 +57,25 @@ TEST_F(GridSequences, ShowAFrame) {
   expectExtinction(3, false, 0.2);
   expectExtinction(4, false, 0.8);
   expectExtinction(3.75, false, 0.2);
+}
+
+/// Smoke that has gone: nothing is seen, and that is told.
+TEST_F(GridSequences, AFrameMayBeEmpty) {
+  const std::string file = fmt::format(
+      R"(<string name="filename" value="{}/f.%03d.vol"/><float name="frame" value="5"/>)", folder_.string());
+  for (const char* motion : {"", R"(<animation name="to_world"><transform time="0"/><transform time="1">
+      <translate x="1"/></transform></animation>)"}) {
+    const TestScene scene =
+        loadScene("", {.fov = 20, .width = 4, .height = 4, .medium = R"(<float name="shutter_close" value="1"/>)"},
+                  fmt::format(R"(<emitter type="constant"/><volume type="grid">{}{}<medium type="grid_sequence">{}
+            </medium></volume>)",
+                              motion, file, file),
+                  {.mayWarn = true});
+    ASSERT_TRUE(scene.scene());
+    EXPECT_NE(scene.warnings().find("f.005.vol' has no active voxels: this volume is empty"), std::string::npos)
+        << scene.warnings();
+    EXPECT_TRUE(shows(scene, *scene.render(16), [](const Ray<World>&) { return Color(1.0f); }));
+  }
 }
 
 TEST_F(GridSequences, BlendTwo) {

@@ -233,7 +233,7 @@ std::unique_ptr<const accel::VolumeShape> carry(Preparation& state, const scene:
                                                 std::unique_ptr<const accel::VolumeShape> shape) {
   const MediumVelocity* const velocity = state.scene->velocityOf(medium);
   const bool byGrid = !volume.velocity.grid.empty();
-  if (!velocity || (byGrid && hasRoom)) return shape;
+  if (!velocity || (byGrid && hasRoom) || shape->objectBounds().isEmpty()) return shape;
   bool isAll = true;
   const Box<Object> reach = Carrying(state, *velocity, medium).from(shape->objectBounds(), isAll);
   if (!isAll) {
