@@ -51,11 +51,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::FILE* const file = std::fopen(path.c_str(), "wb");
   if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size()) std::abort();
   std::fclose(file);
-  for (const std::string& name : {path, path + std::string(grid::unitCubeSuffix), grid::continuedName(path, "v", 2)}) {
-    const auto read = grid::readGrids(name);
-    if (!read && format(read.errors()).empty()) std::abort();
-    if (!read) break;
-    for (const auto& each : (*read)->grids()) lookUp(*each);
-  }
+  const std::string names[] = {path, path + std::string(grid::unitCubeSuffix), grid::continuedName(path, "v", 2)};
+  const auto read = grid::readGrids(names[size % 3]);
+  if (!read && format(read.errors()).empty()) std::abort();
+  if (!read) return 0;
+  for (const auto& each : (*read)->grids()) lookUp(*each);
   return 0;
 }

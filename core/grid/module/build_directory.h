@@ -88,6 +88,8 @@ class DirectoryBuilder {
 
   /// A cube of `edge` blocks along each axis.
   void addConstantBlocks(const nanovdb::Coord& origin, int edge, const ValueT& value) {
+    // What nearly all of them are: empty.
+    if (std::memcmp(&value, &tree_.background(), sizeof value) == 0) return;
     const std::int32_t constant = addConstant(value);
     if (constant == 0) return;
     const std::int32_t table = constantTable(constant);
