@@ -120,9 +120,11 @@ std::string problemOfDeclaredBound(const lang::Program& program) {
 namespace {
 
 /// Coefficients of a medium that are the same wherever it is: its shader reads nothing that varies, or what it reads
-/// turns out to make no difference.
+/// turns out to make no difference. What velocities carry out of a primitive has an end wherever it is.
 std::optional<volume::Coefficients> constantOf(const PreparedScene& scene, const volume::Medium& medium,
                                                MediumRanges& ranges, const MediumPlace& place) {
+  const MediumVelocity* const velocity = scene.velocityOf(medium.index);
+  if (velocity && velocity->within) return {};
   if (auto constant = constantCoefficients(scene, medium)) return constant;
   const shading::InstanceRef shader = scene.mediumShaders[medium.index];
   if (!place.domain || !place.staysInside) return ranges.uniformEverywhere();

@@ -169,6 +169,25 @@ TEST(VelocityAgainstTransformation, MatterLeavesThePrimitive) {
   }
 }
 
+/// A medium that is the same everywhere is so within its primitive alone.
+TEST(VelocityAgainstTransformation, ConstantMatterLeavesThePrimitive) {
+  const std::string medium = R"(<medium type="blowing"><rgb name="albedo" value="0.5"/>
+      <vector name="wind" value="1.6, 0.5, 0"/></medium></volume>)";
+  const auto load = [&](const std::string& placement, int seed) {
+    return loadScene(R"(<integer name="max_depth" value="3"/>)",
+                     {.fov = 30, .width = 12, .height = 12, .seed = seed, .medium = shutter(0, 1)},
+                     std::string(whiteSky) + R"(<volume type="box">)" + placement + medium);
+  };
+  const TestScene carried = load(R"(<transform name="to_world"><scale value="0.5"/></transform>
+      <string name="velocity" value="velocity"/>)",
+                                 0);
+  const TestScene moved = load(R"(<animation name="to_world"><transform time="0"><scale value="0.5"/></transform>
+      <transform time="1"><scale value="0.5"/><translate value="1.6, 0.5, 0"/></transform></animation>)",
+                               1);
+  ASSERT_TRUE(carried.scene() && moved.scene());
+  EXPECT_TRUE(showTheSame(*carried.render(2048), *moved.render(2048)));
+}
+
 /// A still far from the reference time: the primitive itself is empty.
 TEST(VelocityStill, IsWhereItWasCarried) {
   const std::string medium = R"(<medium type="drift"><float name="radius" value="100"/>
