@@ -82,6 +82,9 @@ class Scene {
   /// The hit that a query of this ray has reported by its key.
   SurfaceHit hitAt(const Ray<World>& ray, const HitKey& key) const;
 
+  /// How the shading normal of a hit changes when the point moves by a small `step` on the surface; 0 where it is flat.
+  Vector<World> normalChange(const SurfaceHit& hit, Vector<World> step, float time) const;
+
   /// Bounds of every surface and of every finite volume while the shutter is open.
   Box<World> bounds() const;
   ObjectId objectCount() const;

@@ -1,11 +1,11 @@
 #include "core/grid/grid_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <filesystem>
 
 #include "core/base/module.h"
+#include "core/base/voxel_file_name.h"
 #include "core/grid/module_access.h"
 #include "core/grid/temporal_file.h"
 
@@ -39,13 +39,7 @@ std::string_view fileOfName(std::string_view name) {
   return name.substr(0, std::min(name.find(continuation), name.find(unitCubeSuffix)));
 }
 
-bool isGridFile(std::string_view name) {
-  const std::string_view path = fileOfName(name);
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  return extension == ".vdb" || extension == ".vol" || isTemporalFile(path);
-}
+bool isGridFile(std::string_view name) { return isVoxelFileName(fileOfName(name)); }
 
 Result<std::shared_ptr<const VoxelFile>> readGrids(const std::string& name) {
   const std::string path(fileOfName(name));

@@ -62,6 +62,7 @@ Program prepare(const KernelRequest& request) {
   }
   const lang::Messages messages = keepsMessages ? lang::Messages::keep : lang::Messages::drop;
   Program needed = lang::slice(special, outputs, messages);
+  if (lang::dropVoxelFootprints(needed)) needed = lang::slice(needed, needed.outputs, messages);
   if (!lang::readsDerivatives(needed)) return needed;
   const Program expanded = lang::expandDerivatives(std::move(needed));
   return lang::slice(expanded, expanded.outputs, messages);

@@ -21,6 +21,10 @@ bool readsDerivatives(const Program& program);
 /// the difference of its values over the derivatives of its arguments; impure ones have derivative zero.
 Program expandDerivatives(Program program);
 
+/// Voxels are looked up at points, whatever a footprint covers: where a call of texture3d names a file of voxels, its
+/// derivatives become constants. True when there were some that were none; what computed them is left for `slice`.
+bool dropVoxelFootprints(Program& program);
+
 /// Whether the derivatives of the library function are known: every function of the language has to.
 bool hasDerivativeRule(std::string_view symbol);
 

@@ -61,24 +61,28 @@ shading::CameraProjection Camera::projection() const {
   return result;
 }
 
-Ray<World> Camera::ray(const CameraSample& sample) const {
+Camera::Unplaced Camera::unplacedRay(const CameraSample& sample) const {
   const double sx = (1 - 2 * (static_cast<double>(sample.x) + shiftX_) / width_) * tangentX_;
   const double sy = (1 - 2 * (static_cast<double>(sample.y) + shiftY_) / height_) * tangentY_;
-  double lensX = 0, lensY = 0;
+  Unplaced ray;
   if (isOrthographic_) {
-    lensX = sx;
-    lensY = sy;
-  } else if (hasLens()) {
-    const std::array<double, 2> disk = toConcentricDisk(sample.lens);
-    lensX = apertureRadius_ * disk[0];
-    lensY = apertureRadius_ * disk[1];
+    ray.lens = {sx, sy};
+    return ray;
   }
-  std::array<double, 3> d{0, 0, 1};
-  if (!isOrthographic_) d = {sx - lensX / focusDistance_, sy - lensY / focusDistance_, 1};
+  if (hasLens()) {
+    const std::array<double, 2> disk = toConcentricDisk(sample.lens);
+    ray.lens = {apertureRadius_ * disk[0], apertureRadius_ * disk[1]};
+  }
+  ray.direction = {sx - ray.lens[0] / focusDistance_, sy - ray.lens[1] / focusDistance_, 1};
+  return ray;
+}
+
+Ray<World> Camera::ray(const CameraSample& sample) const {
+  const auto [lens, d] = unplacedRay(sample);
   const Matrix4 m = motion_ ? motion_->at(sample.time).matrix() : toWorld_.matrix();
   std::array<double, 3> origin, direction;
   for (std::size_t i = 0; i < 3; ++i) {
-    origin[i] = m[i][0] * lensX + m[i][1] * lensY + m[i][3];
+    origin[i] = m[i][0] * lens[0] + m[i][1] * lens[1] + m[i][3];
     direction[i] = m[i][0] * d[0] + m[i][1] * d[1] + m[i][2] * d[2];
   }
   const double norm =
@@ -113,6 +117,31 @@ double Camera::startReach(float time) const {
     reach = std::max(reach, std::sqrt(square) + static_cast<double>(first.tMin));
   }
   return reach;
+}
+
+RayFootprint Camera::footprint(const CameraSample& sample) const {
+  const Ray<World> ray = this->ray(sample);
+  const Matrix4 m = motion_ ? motion_->at(sample.time).matrix() : toWorld_.matrix();
+  // Across a pixel: in camera space, of the origin or of the direction before it is normalised.
+  const double stepX = -2 * tangentX_ / width_, stepY = -2 * tangentY_ / height_;
+  const auto column = [&](std::size_t k, double step) {
+    return Vector<World>{static_cast<float>(m[0][k] * step), static_cast<float>(m[1][k] * step),
+                         static_cast<float>(m[2][k] * step)};
+  };
+  const PixelChange steps{column(0, stepX), column(1, stepY)};
+  RayFootprint footprint{ray.origin, ray.direction, {}, {}};
+  if (isOrthographic_) {
+    footprint.originChange = steps;
+    return footprint;
+  }
+  const std::array<double, 3> d = unplacedRay(sample).direction;
+  Vector<World> whole;
+  for (std::size_t k = 0; k < 3; ++k) whole = whole + column(k, d[k]);
+  const auto turned = [&](Vector<World> step) {
+    return (step - ray.direction * dot(ray.direction, step)) / length(whole);
+  };
+  footprint.directionChange = {turned(steps.x), turned(steps.y)};
+  return footprint;
 }
 
 }  // namespace aerosol::render

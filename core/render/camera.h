@@ -6,6 +6,7 @@
 
 #include "core/base/geometry.h"
 #include "core/render/optional_effects.h"
+#include "core/render/ray_footprint.h"
 #include "core/scene/description.h"
 #include "core/shading/kernel_host.h"
 
@@ -40,6 +41,9 @@ class Camera {
   /// the lens's rim.
   double startReach(float time) const;
 
+  /// How that ray changes from pixel to pixel.
+  RayFootprint footprint(const CameraSample& sample) const;
+
   /// From camera space to a plane (of a perspective view: at distance 1) on which the picture spans -1 to 1 across its
   /// width, x to the right and y upwards, and depth 0 to 1 from clip plane to clip plane; then to the picture, from its
   /// upper left corner.
@@ -65,6 +69,13 @@ class Camera {
   double aperture() const { return apertureRadius_; }  ///< Radius of the lens.
 
  private:
+  /// A ray in camera space, its direction not normalised.
+  struct Unplaced {
+    std::array<double, 2> lens{};
+    std::array<double, 3> direction{0, 0, 1};
+  };
+  Unplaced unplacedRay(const CameraSample& sample) const;
+
   Transform<World, aerosol::Camera> toWorld_;  ///< When the shutter opens.
   std::optional<MovingTransform<World, aerosol::Camera>> motion_;
   double width_, height_;  ///< Pixels of the whole film.

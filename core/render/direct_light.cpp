@@ -57,7 +57,7 @@ volume::Task<Color> estimateGlow(PathContext& path, const ScatteringVertex& vert
   ray.direction = sample->direction;
   ray.origin = vertex.originTowards(sample->direction);
   const auto hit = path.scene().geometry->closestHit(ray, path.spans, path.statistics().accel);
-  path.setRay(ray);
+  path.setRayBeside(ray);
   path.setRayTypes(shading::ray::diffuse);
   findSegments(path, ray, 0, hit ? hit->t : std::numeric_limits<double>::infinity(),
                vertex.mediumTowards(sample->direction), vertex.mediaTowards(sample->direction), vertex.links());

@@ -34,6 +34,7 @@ enum class Work : std::uint8_t {
   laterScattering,   ///< Scattering events after a path's first.
   roulette,          ///< Games of Russian roulette.
   look,              ///< Points whose coefficients a volume's controls changed.
+  footprint,         ///< Points of which shaders were told how they change from pixel to pixel.
   layers,            ///< Samples of which more than the picture was gathered.
   count
 };

@@ -141,7 +141,7 @@ void KernelQueues::push(const Question& question, const PathContext& path, Pendi
     return pushMedium(question, path, question.point, from);
   Queue& queue = queueOf(moves->shader, shading::Variant::velocity);
   queue.questions.push_back(from);
-  queue.points.push(shading::VolumePoint{question.point, path.direction(), path.time()}, moves->shader.index);
+  pushPoint(queue, path, question.point, moves->shader.index);
 }
 
 /// A medium's shader is asked at `point`.
@@ -151,7 +151,15 @@ void KernelQueues::pushMedium(const Question& question, const PathContext& path,
   Queue& queue = queueOf(shader, question.quantity == volume::Quantity::extinction ? shading::Variant::extinction
                                                                                    : shading::Variant::coefficients);
   queue.questions.push_back(from);
-  queue.points.push(shading::VolumePoint{point, path.direction(), path.time()}, shader.index);
+  pushPoint(queue, path, point, shader.index);
+}
+
+void KernelQueues::pushPoint(Queue& queue, const PathContext& path, Point<World> point, std::uint32_t instance) {
+  const shading::VolumePoint place{point, path.direction(), path.time()};
+  if (!hasOptionalEffects || !queue.points.readsFootprints()) [[likely]]
+    return queue.points.push(place, instance);
+  statistics_.work.add(Work::footprint);
+  queue.points.push(place, footprintIn(path.askedFootprint(), point, scene_.largestFootprint), instance);
 }
 
 /// Takes velocities from the batch and asks the media where their matter was at the reference time. Velocities that are

@@ -61,6 +61,7 @@ class KernelQueues {
     return queues_[shader.family * shading::variantCount + static_cast<std::size_t>(variant)];
   }
   void pushMedium(const Question& question, const PathContext& path, Point<World> point, PendingQuestion from);
+  void pushPoint(Queue& queue, const PathContext& path, Point<World> point, std::uint32_t instance);
   void moveQuestions(std::span<PathContext* const> paths);
   void prepareLayout(Queue& queue) const;
   void prepareSurfaceLayout(Queue& queue) const;

@@ -131,6 +131,7 @@ struct MediumRanges::Context {
   Context(const PreparedScene& scene, const shading::Family& family)
       : host(scene.namedSpaces, scene.loopBudget, scene.services.get()), boxes(boxesAtOnce), batch(pointsAtOnce) {
     points.bind(family, shading::Variant::extinction);
+    boxes.allowFootprints(scene.keepsFootprints ? scene.largestFootprint : 0);
   }
   Context(const PreparedScene& scene, const shading::Family& family, const MediumVelocity* velocity)
       : Context(scene, family) {

@@ -190,7 +190,7 @@ Task<> askStraightSurfaces(PathContext& path, Ray<World> ray) {
     path.statistics().work.add(Work::straightCrossing);
     PathContext::StraightCrossing crossing{Color(1.0f), {}};
     if (!object.isBoundary) {
-      const shading::ShadingPoint point = shadingPointOf(scene, scene.geometry->hitAt(ray, key), ray);
+      const shading::ShadingPoint point = shadingPointOf(path, scene.geometry->hitAt(ray, key), ray);
       const SurfaceAnswer& answer = co_await path.shade(object.material, point);
       crossing.through = Color();
       for (std::uint32_t site = 0; site < answer.siteCount; ++site) {
@@ -267,7 +267,7 @@ Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Mediu
                                   const volume::MediumStack& media) {
   path.wentStraight = false;
   if (path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel)) co_return Color();
-  path.setRay(ray);
+  path.setRayBeside(ray);
   path.setRayTypes(shading::ray::shadow);
   if (path.scene().shadowsPass) co_await askStraightSurfaces(path, ray);
   Color transmittance = collectSpans(path, ray, boundaryMedium, media);

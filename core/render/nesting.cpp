@@ -57,7 +57,7 @@ volume::Task<bool> findCompany(PathContext& path, Ray<World> ray, Nesting& nesti
     if (scene.objects[hit->object].isBoundary) {
       interior = boundaryInterior(scene, hit->object);
     } else {
-      const shading::ShadingPoint point = shadingPointOf(scene, *hit, ray);
+      const shading::ShadingPoint point = shadingPointOf(path, *hit, ray);
       interior = interiorOf(scene, hit->object, co_await path.shade(scene.objects[hit->object].material, point));
     }
     if (!interior) {
@@ -88,7 +88,7 @@ volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::Surf
   path.statistics().work.add(Work::nesting);
   nesting.face = hit;
   nesting.last = hit.key();
-  const shading::ShadingPoint point = shadingPointOf(scene, hit, ray);
+  const shading::ShadingPoint point = shadingPointOf(path, hit, ray);
   const auto interior = interiorOf(scene, hit.object, co_await path.shade(scene.objects[hit.object].material, point));
   if (!interior) co_return nesting;
   nesting.isInterface = true;
@@ -117,7 +117,7 @@ volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::Surf
                       .mediumAfter = path.mediaBehind.medium()};
   if (!nesting.crossing.isHit) co_return nesting;
   nesting.face = interfaceFace(path, before, after).hit;
-  const shading::ShadingPoint chosen = shadingPointOf(scene, nesting.face, ray);
+  const shading::ShadingPoint chosen = shadingPointOf(path, nesting.face, ray);
   co_await path.shade(scene.objects[nesting.face.object].material, chosen);
   co_return nesting;
 }

@@ -36,6 +36,7 @@ std::vector<std::string> optionalEffectsOf(const PreparedScene& scene) {
       {"analytic-voxels", isPlanned(volume::DistanceMethod::analytic)},
       {"null-scattering", isPlanned(volume::DistanceMethod::nullScattering)},
       {"ray-marching", isPlanned(volume::DistanceMethod::marching)},
+      {"derivatives", scene.keepsFootprints.isCalledFor()},
       {"layers", scene.aovs != nullptr},
   };
   std::vector<std::string> names;

@@ -1,5 +1,7 @@
 #include "core/render/path_context.h"
 
+#include "core/render/prepared_scene.h"
+
 namespace aerosol::render {
 
 namespace {
@@ -10,6 +12,10 @@ constexpr std::size_t frameBytes = 8192;
 }  // namespace
 
 PathContext::PathContext(const PreparedScene& scene, QuestionSink& sink, WorkerStatistics& statistics)
-    : scene_(scene), sink_(sink), statistics_(statistics), frames_(frameBytes) {}
+    : keepsFootprints_(scene.keepsFootprints),
+      scene_(scene),
+      sink_(sink),
+      statistics_(statistics),
+      frames_(frameBytes) {}
 
 }  // namespace aerosol::render

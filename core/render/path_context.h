@@ -11,6 +11,7 @@
 #include "core/accel/scene.h"
 #include "core/render/optional_effects.h"
 #include "core/render/path_spans.h"
+#include "core/render/ray_footprint.h"
 #include "core/render/sample_stream.h"
 #include "core/render/statistics.h"
 #include "core/render/surface_answer.h"
@@ -82,11 +83,27 @@ class PathContext {
     rayTypes_ = shading::ray::camera;
   }
 
-  /// The ray on which the following questions about media lie: shaders see its direction as I, and its time.
+  /// The path's ray, on which the following questions lie: shaders see its direction as I, and its time.
   void setRay(const Ray<World>& ray) {
     direction_ = ray.direction;
     time_ = ray.time;
+    if (keepsFootprints()) [[unlikely]]
+      askedFootprint_ = footprint_;
   }
+  /// The same with a ray that leaves the path's for another reason.
+  void setRayBeside(const Ray<World>& ray) {
+    setRay(ray);
+    if (keepsFootprints()) [[unlikely]]
+      askedFootprint_ = footprintBeside(footprint_, ray);
+  }
+  /// Whether shaders read how their inputs change from pixel to pixel: the path then has a footprint, otherwise nothing
+  /// of it is ever touched.
+  bool keepsFootprints() const { return hasOptionalEffects && keepsFootprints_; }
+  /// Of the path's ray, from the next `setRay` on.
+  const RayFootprint& footprint() const { return footprint_; }
+  void setFootprint(const RayFootprint& footprint) { footprint_ = footprint; }
+  /// Of the ray on which questions lie.
+  const RayFootprint& askedFootprint() const { return askedFootprint_; }
   /// What kind of ray it is (shading::ray).
   void setRayTypes(std::uint32_t types) { rayTypes_ = types; }
   std::uint32_t rayTypes() const { return rayTypes_; }
@@ -187,6 +204,7 @@ class PathContext {
   std::vector<Question> questions_;
   std::vector<volume::Coefficients> answers_;
   bool answered_ = true;
+  bool keepsFootprints_ = false;
   float time_ = 0;
   std::uint32_t rayTypes_ = shading::ray::camera;
   Vector<World> direction_;
@@ -197,6 +215,7 @@ class PathContext {
   WorkerStatistics& statistics_;
   volume::FrameStack frames_;
   SurfaceAnswer surfaceAnswer_;
+  RayFootprint footprint_, askedFootprint_;
 
  public:
   EffectPointer<PathRecord> record;  ///< Of what AOVs gather; null when there are none.

@@ -3,6 +3,8 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <thread>
 
 #include "core/render/interior.h"
@@ -16,6 +18,13 @@
 #include "core/render/scene_attributes.h"
 
 namespace aerosol::render {
+
+bool readsFootprints(const jit::KernelInterface& kernel) {
+  using lang::Global;
+  constexpr std::array changes{Global::dPdx, Global::dPdy, Global::dPdz, Global::dIdx, Global::dIdy,
+                               Global::dudx, Global::dudy, Global::dvdx, Global::dvdy};
+  return std::ranges::any_of(changes, [&](Global global) { return kernel.reads(global); });
+}
 
 namespace {
 
@@ -48,6 +57,21 @@ void findChanges(Preparation& state) {
       if (kernel && (kernel->interface().globalsRead >> time & 1u) != 0) state.scene->changes = true;
     }
   }
+}
+
+/// Whether some shader reads how its inputs change from pixel to pixel.
+void findFootprints(Preparation& state) {
+  PreparedScene& scene = *state.scene;
+  for (const shading::Family& family : scene.shading.families()) {
+    for (const auto& kernel : family.kernels) {
+      if (kernel && readsFootprints(kernel->interface()))
+        scene.keepsFootprints = state.description.integrator.footprints;
+    }
+  }
+  // What covers all there is needs to be no larger; endless media have no end to their footprints but this.
+  const Box<World> bounds = scene.geometry->bounds();
+  const float diagonal = bounds.isEmpty() ? 0 : length(bounds.upper - bounds.lower);
+  scene.largestFootprint = diagonal > 0 && std::isfinite(diagonal) ? diagonal : 1e6f;
 }
 
 bool asksForArea(const Preparation& state, shading::InstanceRef material) {
@@ -123,6 +147,7 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   if (state.errors.hasErrors()) return fail(state);
   buildGeometry(state);
   if (state.errors.hasErrors()) return fail(state);
+  findFootprints(state);
   decideMedia(state);
   partitionVolumes(*state.scene);
   addLights(state);

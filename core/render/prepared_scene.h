@@ -85,6 +85,9 @@ struct MediumVelocity {
   }
 };
 
+/// Whether a kernel reads how its inputs change from pixel to pixel.
+bool readsFootprints(const jit::KernelInterface& kernel);
+
 struct PreparedScene {
   std::optional<accel::Scene> geometry;
   shading::ShadingSystem shading;
@@ -113,6 +116,9 @@ struct PreparedScene {
   std::vector<std::vector<const accel::TriangleMesh*>> attributeMeshes;
   Shutter shutter;
   EffectSwitch changes;  ///< Something changes while the shutter is open: every path has a time of its own.
+  /// Some shader reads how its inputs change from pixel to pixel: paths keep the differentials of their rays.
+  EffectSwitch keepsFootprints;
+  float largestFootprint = 0;                    ///< No change of a position is longer.
   const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.
   EffectSwitch shadowsPass;                      ///< Some material lets light through unbent, and says how much.
   EffectSwitch nestsMedia;     ///< Some material says what is inside: paths keep a stack of interiors.

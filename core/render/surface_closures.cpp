@@ -23,6 +23,28 @@ shading::ShadingPoint shadingPointOf(const PreparedScene& scene, const accel::Su
   return point;
 }
 
+shading::ShadingPoint shadingPointOf(PathContext& path, const accel::SurfaceHit& hit, const Ray<World>& ray) {
+  using lang::Global;
+  const PreparedScene& scene = path.scene();
+  shading::ShadingPoint point = shadingPointOf(scene, hit, ray);
+  if (!path.keepsFootprints()) [[likely]]
+    return point;
+  path.statistics().work.add(Work::footprint);
+  const SurfaceFootprint on = footprintOn(path.askedFootprint(), hit, scene.largestFootprint);
+  point.set(Global::dPdx, on.position.x);
+  point.set(Global::dPdy, on.position.y);
+  point.set(Global::dIdx, on.direction.x);
+  point.set(Global::dIdy, on.direction.y);
+  point.set(Global::dudx, on.uv_x[0]);
+  point.set(Global::dvdx, on.uv_x[1]);
+  point.set(Global::dudy, on.uv_y[0]);
+  point.set(Global::dvdy, on.uv_y[1]);
+  // The normal of the footprint, and of what is displaced from it, has to lie on the side of N.
+  const float side = dot(cross(on.position.x, on.position.y), hit.geometricNormal);
+  point.set(Global::flipHandedness, (side < 0) != point.isTurned() ? 1.0f : 0.0f);
+  return point;
+}
+
 namespace {
 
 /// Shaders may return normals of any length; closures want unit ones.

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/render/closure_mix.h"
+#include "core/render/path_context.h"
 #include "core/render/prepared_scene.h"
 #include "core/render/surface_answer.h"
 #include "core/shading/shading_point.h"
@@ -13,6 +14,9 @@ namespace aerosol::render {
 
 /// The shader globals of a hit. `toViewer` is unit.
 shading::ShadingPoint shadingPointOf(const PreparedScene& scene, const accel::SurfaceHit& hit, const Ray<World>& ray);
+
+/// The same on the ray that the path follows, with what its footprint covers where shaders ask for that.
+shading::ShadingPoint shadingPointOf(PathContext& path, const accel::SurfaceHit& hit, const Ray<World>& ray);
 
 /// The closures of one hit; owns what the mix refers to. `crossing` gives the indices of the media on both sides.
 class SurfaceClosures {

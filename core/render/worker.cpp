@@ -116,6 +116,7 @@ bool Worker::startPath(std::uint32_t index) {
   slot.filterWeight = offset.weight;
   slot.path->restart(id, random);
   const Ray<World> ray = scene.camera->ray(camera);
+  if (scene.keepsFootprints) slot.path->setFootprint(scene.camera->footprint(camera));
   slot.task.emplace(slot.record ? traceRecorded(*slot.path, shared_.integrator, camera, ray)
                                 : shared_.integrator.trace(*slot.path, ray));
   running_ = index;

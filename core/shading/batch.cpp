@@ -38,6 +38,18 @@ std::size_t volumeComponent(int component) {
   return component == jit::globalPointer(Global::time) ? 6 : 7;
 }
 
+/// Index in VolumeFootprint of a component of ShadingPoint; its size: none.
+std::size_t footprintComponent(int component) {
+  using lang::Global;
+  std::size_t first = 0;
+  for (const Global global : {Global::dPdx, Global::dPdy, Global::dPdz, Global::dIdx, Global::dIdy}) {
+    const int pointer = jit::globalPointer(global);
+    if (component >= pointer && component < pointer + 3) return first + static_cast<std::size_t>(component - pointer);
+    first += 3;
+  }
+  return first;
+}
+
 }  // namespace
 
 void PointArrays::bind(const Family& family, Variant variant) {
@@ -45,16 +57,18 @@ void PointArrays::bind(const Family& family, Variant variant) {
   kernel_ = &family.kernel(variant);
   columns_.clear();
   timeColumn_.reset();
+  readsFootprints_ = false;
   for (int i = 0; i < jit::globalPointerCount; ++i) {
     if (kernel_->interface().globalsRead >> i & 1u) {
-      columns_.push_back({static_cast<std::size_t>(i), volumeComponent(i), nullptr});
+      columns_.push_back({static_cast<std::size_t>(i), volumeComponent(i), footprintComponent(i), nullptr});
+      readsFootprints_ = readsFootprints_ || columns_.back().ofFootprint < std::tuple_size_v<VolumeFootprint>;
     }
   }
   size_ = capacity_ = 0;
   if (!family.moves()) return;
   const auto time = static_cast<std::size_t>(jit::globalPointer(lang::Global::time));
   const auto isTime = [time](const Column& column) { return column.component == time; };
-  if (std::ranges::none_of(columns_, isTime)) columns_.push_back({time, 6, nullptr});
+  if (std::ranges::none_of(columns_, isTime)) columns_.push_back({.component = time, .ofVolume = 6});
   timeColumn_ = static_cast<std::size_t>(std::ranges::find_if(columns_, isTime) - columns_.begin());
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/shading/kernel_host.h"
@@ -34,6 +35,9 @@ struct VolumePoint {
   float time = 0;           ///< Seconds of the scene's time.
 };
 
+/// How a point of a volume changes from pixel to pixel: dPdx, dPdy, dPdz, dIdx, dIdy.
+using VolumeFootprint = std::array<float, 15>;
+
 /// The points that wait for one kernel, in the kernel's own arrays: any number, taken off at the end. Only what the
 /// kernel reads is kept.
 class PointArrays {
@@ -52,6 +56,13 @@ class PointArrays {
     const std::size_t at = next(instance);
     for (const Column& column : columns_) column.values[at] = column.ofVolume < 7 ? values[column.ofVolume] : 0.0f;
   }
+  /// Whether the kernel of a volume reads how its points change from pixel to pixel.
+  bool readsFootprints() const { return readsFootprints_; }
+  void push(const VolumePoint& point, const VolumeFootprint& footprint, std::uint32_t instance) {
+    push(point, instance);
+    for (const Column& column : columns_)
+      if (column.ofFootprint < footprint.size()) column.values[size_ - 1] = footprint[column.ofFootprint];
+  }
   /// Drops all points from number `first` on.
   void shrink(std::size_t first) { size_ = first; }
 
@@ -61,6 +72,7 @@ class PointArrays {
   struct Column {
     std::size_t component = 0;  ///< Of ShadingPoint.
     std::size_t ofVolume = 7;   ///< Of P, I, time; 7: always zero.
+    std::size_t ofFootprint = std::tuple_size_v<VolumeFootprint>;
     float* values = nullptr;
   };
 
@@ -76,6 +88,7 @@ class PointArrays {
   const jit::Kernel* kernel_ = nullptr;
   std::vector<Column> columns_;
   std::optional<std::size_t> timeColumn_;  ///< Where instances move.
+  bool readsFootprints_ = false;
   std::size_t size_ = 0, capacity_ = 0;
   detail::AlignedArray<float> floats_;
   detail::AlignedArray<std::int32_t> instances_;

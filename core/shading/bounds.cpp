@@ -196,13 +196,14 @@ BoundsBatch::BoundsBatch(int capacity)
 
 BoundsBatch::~BoundsBatch() = default;
 
-/// Globals of volume points are P, I and time, all others are 0; P is given in both spaces, and as a line over the
-/// object's box.
+/// Globals of volume points are P, I and time, and how they change from pixel to pixel; all others are 0; P is given in
+/// both spaces, and as a line over the object's box.
 void BoundsBatch::gather(const Instance& placed, std::span<const VolumeBox> boxes) {
   const auto put = [&](int component, std::size_t box, float low, float high) {
     arrays_->input(2 * static_cast<std::size_t>(component))[box] = low;
     arrays_->input(2 * static_cast<std::size_t>(component) + 1)[box] = high;
   };
+  gatherFootprints(boxes.size());
   const Places places(placed, boxes);
   const Matrix4& toWorld = placed.objectToWorld.matrix();
   const Matrix4& toObject = placed.objectToWorld.inverseMatrix();
@@ -236,6 +237,22 @@ void BoundsBatch::gather(const Instance& placed, std::span<const VolumeBox> boxe
       float& rest = arrays_->input(jit::rangeLineStart + row * jit::rangeLineParts + 4)[i];
       const double more = places.deviation(row, corner(box.box.lower), corner(box.box.upper));
       rest = above(static_cast<double>(rest) + more);
+    }
+  }
+}
+
+/// Rounding may make a change that was cut off at the largest one longer.
+void BoundsBatch::gatherFootprints(std::size_t boxes) {
+  if (largestFootprint_ == 0) return;
+  using lang::Global;
+  constexpr float rounding = 1.0001f;
+  for (const Global global : {Global::dPdx, Global::dPdy, Global::dPdz, Global::dIdx, Global::dIdy}) {
+    const bool isTurn = global == Global::dIdx || global == Global::dIdy;
+    const float largest = isTurn ? 1 : largestFootprint_;
+    for (int i = 0; i < 3; ++i) {
+      const auto component = static_cast<std::size_t>(jit::globalPointer(global) + i);
+      std::fill_n(arrays_->input(2 * component), boxes, -largest * rounding);
+      std::fill_n(arrays_->input(2 * component + 1), boxes, largest * rounding);
     }
   }
 }

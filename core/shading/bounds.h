@@ -72,6 +72,10 @@ class BoundsBatch {
   BoundsBatch(const BoundsBatch&) = delete;
   BoundsBatch& operator=(const BoundsBatch&) = delete;
 
+  /// From now on bounds hold for points that change from pixel to pixel by up to so much (scene units, and a turn of
+  /// the ray by up to 1 radian), in any direction; 0: that do not change.
+  void allowFootprints(float largest) { largestFootprint_ = largest; }
+
   /// Bounds of instance number `instance` of the family over each box, of which there may be any number. The family
   /// must have a bounds kernel (ShadingSystem::compileBounds). Boxes that are empty give bounds that mean nothing.
   void evaluate(KernelHost& host, const Family& family, std::uint32_t instance, std::span<const VolumeBox> boxes,
@@ -87,10 +91,12 @@ class BoundsBatch {
   void run(KernelHost& host, const Family& family, const jit::Kernel& kernel, std::uint32_t instance,
            std::span<const VolumeBox> boxes, Scatter scatter);
   void gather(const Instance& placed, std::span<const VolumeBox> boxes);
+  void gatherFootprints(std::size_t boxes);
   void gatherLine(const Matrix4& toWorld, const Box<Object>& box, std::size_t at);
   void scatter(const jit::KernelInterface& interface, std::span<CoefficientBounds> bounds) const;
 
   std::size_t capacity_;
+  float largestFootprint_ = 0;
   std::unique_ptr<Arrays> arrays_;
 };
 

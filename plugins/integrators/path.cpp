@@ -118,6 +118,10 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links()};
   state.rayTypes = shading::ray::diffuse;
   state.lightsReach = true;
+  if (path.keepsFootprints()) {
+    const RayFootprint& before = path.footprint();
+    path.setFootprint(footprintScattered(before, vertex.position(), next.direction, next.pdf, next.isDelta));
+  }
   continueFrom(state, vertex.position(), next.direction, Color(next.weight));
   co_return true;
 }
@@ -194,6 +198,10 @@ Task<Step> leaveBody(PathContext& path, PathState& state, Radiance& radiance, co
   state.rayTypes = shading::ray::diffuse;
   state.lightsReach = true;
   state.direction = {.from = way->hit.point, .pdf = leaving->pdf, .isDelta = false};
+  if (path.keepsFootprints()) {
+    const RayFootprint& before = path.footprint();
+    path.setFootprint(footprintScattered(before, way->hit.point, leaving->direction, leaving->pdf, false));
+  }
   continueFrom(state, way->hit.originTowards(leaving->direction), leaving->direction, leaving->weight);
   co_return Step::scatters;
 }
@@ -204,7 +212,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
                        std::optional<accel::HitKey>& passed) {
   const PreparedScene& scene = path.scene();
   Nesting nesting;
-  const shading::ShadingPoint point = shadingPointOf(scene, hit, state.ray);
+  const shading::ShadingPoint point = shadingPointOf(path, hit, state.ray);
   if (scene.nestsMedia) {
     nesting = co_await findNesting(path, state.ray, hit);
     hit = nesting.face;
@@ -227,7 +235,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   if (object.light && !isHidden) {
     Color emitted = metLight(scene, *object.light, hit, state.ray, state.direction);
     if (scene.isTextured(*object.light)) {
-      const shading::ShadingPoint met = shadingPointOf(scene, hit, state.ray);
+      const shading::ShadingPoint met = shadingPointOf(path, hit, state.ray);
       emitted *= co_await lightTexture(path, *object.light, met);
     }
     radiance.color += state.throughput * emitted;
@@ -279,6 +287,10 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   state.lightsReach = !next->isDelta || isReplaced;
   state.direction = {
       .from = hit.point, .pdf = next->pdf, .isDelta = next->isDelta || isReplaced, .isReplaced = isReplaced};
+  if (path.keepsFootprints()) {
+    path.setFootprint(
+        footprintBehind(path.footprint(), *scene.geometry, hit, *next, state.ray.time, scene.largestFootprint));
+  }
   continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight);
   if (crosses && nesting.isInterface) {
     goBehind(path, state, nesting);

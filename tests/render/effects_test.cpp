@@ -200,9 +200,9 @@ const std::vector<EffectCase>& cases() {
        {"light-sampling", "point-lights", "surfaces", "straight-shadows"}},
       {"voxels",
        voxels,
-       {"volumes", "heterogeneity", "analytic-voxels", "bound-trees", "volume-scattering", "textures", "derivatives"},
+       {"volumes", "heterogeneity", "analytic-voxels", "bound-trees", "volume-scattering", "textures"},
        "",
-       {"heterogeneity", "textures", "derivatives"}},
+       {"heterogeneity", "textures"}},
       {"picture",
        std::string(sky) + R"(<shape type="sphere"><bsdf type="diffuse">)" + pictureFor("reflectance") +
            "</bsdf></shape>",

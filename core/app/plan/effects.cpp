@@ -284,7 +284,7 @@ class EffectList {
 
   void addShaders() {
     Names textures, derivatives, messages;
-    std::vector<std::size_t> texturing, deriving, speaking;
+    std::vector<std::size_t> texturing, speaking;
     for (std::size_t index = 0; index < scene_.shading.families().size(); ++index) {
       const shading::Family& family = scene_.shading.families()[index];
       const lang::Program& program = *family.program;
@@ -293,10 +293,7 @@ class EffectList {
       for (const auto& kernel : family.kernels) {
         if (!kernel) continue;
         const jit::KernelInterface& interface = kernel->interface();
-        for (const lang::Global g : {lang::Global::dPdx, lang::Global::dPdy, lang::Global::dPdz, lang::Global::dudx,
-                                     lang::Global::dvdx, lang::Global::dIdx}) {
-          readsDerivatives = readsDerivatives || interface.reads(g);
-        }
+        readsDerivatives = readsDerivatives || render::readsFootprints(interface);
         speaks =
             speaks || std::any_of(interface.sites.begin(), interface.sites.end(), [](const jit::MessageSite& site) {
               return site.kind == AEROSOL_MESSAGE_PRINT || site.kind == AEROSOL_MESSAGE_FILE;
@@ -312,12 +309,16 @@ class EffectList {
         families.push_back(index);
       };
       note(readsTextures, textures, texturing);
-      note(readsDerivatives, derivatives, deriving);
+      if (readsDerivatives) derivatives.add(program.name, place);
       note(speaks, messages, speaking);
     }
     add("textures", textures, "no shader reads a texture or voxels", pointsOfFamilies(std::move(texturing)));
-    add("derivatives", derivatives, "no shader asks how its inputs change from pixel to pixel",
-        pointsOfFamilies(std::move(deriving)));
+    const std::string reason =
+        derivatives.count() == 0
+            ? "no shader asks how its inputs change from pixel to pixel: paths keep no differentials of their rays"
+        : scene_.keepsFootprints.isCalledFor() ? derivatives.text()
+                                               : "left out: " + derivatives.text();
+    add("derivatives", scene_.keepsFootprints.isCalledFor(), reason, countOf(Work::footprint));
     add("shader-messages", messages, "no shader prints", pointsOfFamilies(std::move(speaking)));
   }
 

@@ -37,6 +37,8 @@ const std::vector<RemovableEffect>& removableEffects() {
        }},
       {"russian-roulette", "paths go on to max_depth: the same image in the mean, at another cost",
        [](SceneDescription& d) { d.integrator.rrDepth = std::numeric_limits<int>::max(); }},
+      {"derivatives", "what shaders see has no size: textures are not filtered, fine patterns not smoothed",
+       [](SceneDescription& d) { d.integrator.footprints = false; }},
       {"volumes", "volume primitives are left out", [](SceneDescription& d) { d.volumes.clear(); }},
       {"surface-media", "media inside and outside of shapes are left out",
        [](SceneDescription& d) {

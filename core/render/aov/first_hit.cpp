@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/render/aov/path_record.h"
 #include "core/render/prepared_scene.h"
@@ -10,34 +11,6 @@
 namespace aerosol::render {
 
 namespace {
-
-using Double3 = std::array<double, 3>;
-
-Double3 toDouble(const auto& v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
-double dot(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// Where a camera ray meets the tangent plane of a hit, as an offset from it. Nothing where they are parallel.
-std::optional<Double3> onTangentPlane(const accel::SurfaceHit& hit, const Ray<World>& ray) {
-  const Double3 n = toDouble(hit.geometricNormal), o = toDouble(ray.origin), d = toDouble(ray.direction),
-                p = toDouble(hit.point);
-  const double along = dot(n, d);
-  if (along == 0) return {};
-  const double t = (dot(n, p) - dot(n, o)) / along;
-  return Double3{o[0] + t * d[0] - p[0], o[1] + t * d[1] - p[1], o[2] + t * d[2] - p[2]};
-}
-
-/// The change of u and v along a change of position: least squares over the tangents (Igehy 1999, "Tracing Ray
-/// Differentials", as a change of the footprint on the surface).
-std::array<float, 2> changeOfUv(const accel::SurfaceHit& hit, const std::optional<Double3>& step) {
-  if (!step) return {};
-  const Double3 u = toDouble(hit.dPdu), v = toDouble(hit.dPdv);
-  const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), determinant = uu * vv - uv * uv;
-  if (!(std::fabs(determinant) > 1e-30)) return {};
-  const double a = dot(u, *step), b = dot(v, *step);
-  return {static_cast<float>((vv * a - uv * b) / determinant), static_cast<float>((uu * b - uv * a) / determinant)};
-}
 
 /// Where the camera of a time sees a point, in pixels from the film's upper left corner; nothing behind it.
 std::optional<std::array<double, 2>> seenAt(const Camera& camera, Point<World> point, float time) {
@@ -80,11 +53,9 @@ void recordGeometry(PathContext& path, const CameraSample& camera, const Ray<Wor
                     const AovPlan::FeatureSlot& slot) {
   using F = AovFeature;
   const auto set = [&](const auto& values) { path.record->set(slot.slot, values); };
-  const auto towards = [&](float dx, float dy) {
-    CameraSample next = camera;
-    next.x += dx;
-    next.y += dy;
-    return changeOfUv(hit, onTangentPlane(hit, path.scene().camera->ray(next)));
+  const auto footprint = [&] {
+    constexpr float unlimited = std::numeric_limits<float>::max();
+    return footprintOn(path.scene().camera->footprint(camera), hit, unlimited);
   };
   switch (slot.feature) {
     case F::depth:
@@ -102,9 +73,9 @@ void recordGeometry(PathContext& path, const CameraSample& camera, const Ray<Wor
     case F::dPdv:
       return set(threeOf(hit.dPdv));
     case F::dUVdx:
-      return set(towards(1, 0));
+      return set(footprint().uv_x);
     case F::dUVdy:
-      return set(towards(0, 1));
+      return set(footprint().uv_y);
     case F::primitiveIndex:
       return set(std::array{static_cast<float>(hit.primitive)});
     case F::shapeIndex:
@@ -132,7 +103,7 @@ volume::Task<> recordFirstHit(PathContext& path, CameraSample camera, Ray<World>
     const PreparedObject& object = scene.objects[hit->object];
     if (object.isBoundary) continue;
     path.setRay(ray);
-    const shading::ShadingPoint point = shadingPointOf(scene, *hit, ray);
+    const shading::ShadingPoint point = shadingPointOf(path, *hit, ray);
     co_await path.shade(object.material, point);
     const SurfaceClosures closures(object, path.surfaceAnswer(), *hit, ray.direction);
     const Color albedo = closures.mix().albedo();
