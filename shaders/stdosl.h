@@ -20,6 +20,9 @@
 
 #define AEROSOL_FOR_EACH_TRIPLE(define) define(color) define(point) define(vector) define(normal)
 
+// Whole numbers are divided towards zero before anything is rounded: mod(-7, 3) is -1, and mod(-7.0, 3.0) is 2.
+int mod(int a, int b) { return a - b * (int)floor(a / b); }
+
 // Geometry -------------------------------------------------------------------------------------------------------------
 
 // Distance of q from the line segment from a to b.
@@ -403,7 +406,8 @@ int aerosol_is_rgb(string space) {
   return space == "rgb" || space == "RGB" || space == "linear" || space == "Rec709" || space == "HDTV";
 }
 
-// Between "rgb" (also "RGB", "linear", "Rec709", "HDTV"), "sRGB", "hsv", "hsl", "YIQ", "XYZ" and "xyY".
+// Between "rgb" (also "RGB", "linear", "Rec709", "HDTV"), "sRGB", "hsv", "hsl", "YIQ", "XYZ" and "xyY", and whatever the
+// colour configuration knows.
 color transformc(string from, string to, color c) {
   color rgb = c;
   if (from == to) return c;
@@ -413,15 +417,14 @@ color transformc(string from, string to, color c) {
   else if (from == "XYZ") rgb = aerosol_rgb_from_xyz(c);
   else if (from == "xyY") rgb = aerosol_rgb_from_xyz(aerosol_xyz_from_xyy(c));
   else if (from == "sRGB") rgb = aerosol_rgb_from_srgb(c);
-  else if (!aerosol_is_rgb(from)) error("unknown colour space \"%s\"", from);
+  else if (!aerosol_is_rgb(from)) rgb = aerosol_colors(from, "rgb", c);
   if (to == "hsv") return aerosol_hsv_from_rgb(rgb);
   if (to == "hsl") return aerosol_hsl_from_rgb(rgb);
   if (to == "YIQ") return aerosol_yiq_from_rgb(rgb);
   if (to == "XYZ") return aerosol_xyz_from_rgb(rgb);
   if (to == "xyY") return aerosol_xyy_from_xyz(aerosol_xyz_from_rgb(rgb));
   if (to == "sRGB") return aerosol_srgb_from_rgb(rgb);
-  if (!aerosol_is_rgb(to)) error("unknown colour space \"%s\"", to);
-  return rgb;
+  return aerosol_is_rgb(to) ? rgb : aerosol_colors("rgb", to, rgb);
 }
 color transformc(string to, color c) { return transformc("rgb", to, c); }
 

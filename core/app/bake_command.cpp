@@ -123,7 +123,7 @@ class Bake {
       use.parameters.push_back({name, scene::guessValue(value), place, place, true});
     }
     library_.emplace(openShaderLibrary(kernels, toolchain->installation, toolchain->cache));
-    services_ = render::makeServices({library_->searchPath(), 1024});
+    services_ = render::makeServices({.searchPath = library_->searchPath()});
     render::BakeOptions options;
     options.compiler = toolchain->compiler.get();
     options.target = toolchain->target;

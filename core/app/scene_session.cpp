@@ -128,6 +128,7 @@ render::PrepareOptions SceneSession::prepareOptions() const {
   options.embreeIsa = arguments_.kernels.isa;
   options.laneCounters = arguments_.countLanes;
   options.textureMemory_MB = arguments_.textureMemory_MB;
+  options.colors = {arguments_.display.config, arguments_.display.workingSpace};
   options.threads = threadCount();
   options.plan = plan_;
   options.loopBudget = static_cast<std::uint32_t>(arguments_.loopBudget);

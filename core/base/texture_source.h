@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/color_source.h"
+
 namespace aerosol {
 
 enum class TextureKind : std::uint8_t {
@@ -38,6 +40,7 @@ struct TexturePoint {
   std::int32_t firstChannel = 0;
   std::int32_t subimage = 0;
   std::string_view subimageName;  ///< Used instead of the number when it is not empty.
+  std::string_view colorSpace;    ///< In which the file's colours are; empty: those of the render, or of no matter.
   float fill = 0;                 ///< Stands for channels that the file does not have.
   float time = 0;
   bool hasMissing = false;  ///< A file that cannot be read gives `missing` and is no failure.
@@ -85,12 +88,14 @@ class TextureSession {
                                           const TextureInfoType& type) = 0;
 
   /// Nothing when the file cannot be read as one image (a set of UDIM tiles included). Reads the whole file once.
-  virtual std::optional<TextureRange> range(std::string_view file) = 0;
+  /// Of the file as it is in the render, its colours taken for those of a colour space as in TexturePoint.
+  virtual std::optional<TextureRange> range(std::string_view file, std::string_view colorSpace) = 0;
 };
 
 struct TextureSettings {
   std::vector<std::string> searchPath;  ///< Folders for names that are not absolute, the current one not included.
   int memory_MB = 1024;                 ///< For decoded texels of all threads together.
+  ColorSettings colors;
 };
 
 class TextureSource {

@@ -59,7 +59,7 @@ constexpr std::array table = {
     BuiltinRow{"trunc", "g(g)", "trunc", comp, true, "The integral part."},
     BuiltinRow{"fmod", "g(gg) g(gf)", "fmod", comp, true,
                "Remainder with the sign of the first argument; 0 for a divisor of 0."},
-    BuiltinRow{"mod", "g(gg) g(gf) i(ii)", "mod", comp, true, "a - b floor(a / b)."},
+    BuiltinRow{"mod", "g(gg) g(gf)", "mod", comp, true, "a - b floor(a / b)."},
     BuiltinRow{"min", "g(gg) i(ii)", "min", comp, true, "The lesser one."},
     BuiltinRow{"max", "g(gg) i(ii)", "max", comp, true, "The greater one."},
     BuiltinRow{"clamp", "g(ggg) i(iii)", "clamp", comp, true, "max(min(x, high), low) of (x, low, high)."},

@@ -57,6 +57,8 @@ constexpr std::array table = {
     BuiltinRow{"pointcloud_write", "i(sp*)", "pointcloud_write", host, false,
                "Adds a point to a cloud that is saved when the image is finished: (cloud, position, name, value ...)."},
     BuiltinRow{"fprintf", "x(ss*)", "", special, false, "Prints at the end of a file: (file name, format, …)."},
+    BuiltinRow{"aerosol_colors", "c(ssc)", "colors", host, true,
+               "A colour between colour spaces that the colour configuration knows: (from, to, colour)."},
     // What the renderer knows
     BuiltinRow{
         "getattribute", "i(s!?) i(si!?) i(ss!?) i(ssi!?)", "getattribute", special, true,
@@ -69,6 +71,11 @@ constexpr std::array table = {
                dependsOnPoint},
     BuiltinRow{"surfacearea", "f()", "surfacearea", host, true, "Area of the object, in square scene units.",
                dependsOnPoint},
+    BuiltinRow{
+        "random", "f() c() p() v() n()", "random", special, true,
+        "A random number from 0 to 1, another one for each call, point and sample, and the same again in the same "
+        "image.",
+        dependsOnPoint},
     BuiltinRow{"setmessage", "x(s?)", "setmessage", host, false,
                "Keeps a value by name for getmessage, for the rest of the point's shading.", writesMessages},
     BuiltinRow{

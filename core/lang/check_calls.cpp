@@ -9,6 +9,15 @@
 
 namespace aerosol::lang {
 
+namespace {
+
+/// Whether any value may be a closure, too.
+bool takesClosures(const BuiltinRow& row) {
+  return std::string_view(row.name) == "setmessage" || std::string_view(row.name) == "getmessage";
+}
+
+}  // namespace
+
 Type Checker::checkArguments(const Expression& call, std::vector<ExpressionPtr>& arguments, std::vector<Type>& types) {
   Type worst = types::none;
   for (const ExpressionPtr& argument : arguments) {
@@ -107,7 +116,9 @@ int Checker::scoreCandidate(const Candidate& candidate, const std::vector<Expres
     } else if ((candidate.arrays >> i & 1u) != 0) {
       one = types[i].isArray() ? 1 : 0;
     } else if ((candidate.any >> i & 1u) != 0) {
-      const bool isValue = !types[i].closure && types[i].base != BaseType::structure && types[i].base != BaseType::none;
+      const bool mayBeClosure = candidate.builtin && takesClosures(*candidate.builtin->row);
+      const bool isValue = (!types[i].closure || mayBeClosure) && types[i].base != BaseType::structure &&
+                           types[i].base != BaseType::none;
       one = isValue ? 1 : 0;
     } else if (std::holds_alternative<InitializerList>(arguments[i]->node)) {
       one = listFits(*arguments[i], candidate.parameters[i]) ? 23 : 0;

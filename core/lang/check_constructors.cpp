@@ -74,9 +74,11 @@ Type Checker::checkTriple(Expression& expression, Construct& construct, const Ty
 void Checker::checkColorSpace(const Expression& space) {
   const auto* literal = std::get_if<StringLiteral>(&space.node);
   if (!literal || std::find(colorSpaces.begin(), colorSpaces.end(), literal->value) != colorSpaces.end()) return;
-  std::string note = "the colour spaces are:";
-  for (const std::string_view known : colorSpaces) note += " \"" + std::string(known) + "\"";
-  error(space.position, "unknown colour space \"" + literal->value + "\"", {note});
+  // Any other name may be one of the colour configuration's. A slip of the pen is told.
+  const std::vector<std::string> known(colorSpaces.begin(), colorSpaces.end());
+  if (literal->value.size() > 4 || nearestNames(literal->value, known, 1).empty()) return;
+  warning(space.position, "\"" + literal->value + "\" is none of the language's colour spaces",
+          {didYouMean(literal->value, known)});
 }
 
 Type Checker::checkMatrix(Expression& expression, Construct& construct) {

@@ -155,7 +155,9 @@ bool Checker::checkWritable(const Expression& target) {
                         (variable->name == "P" && shaderKind_ == "displacement");
   if (!writable) {
     const char* article = shaderKind_ == "shader" ? "generic" : shaderKind_.c_str();
-    error(root->position, "the shader global '" + variable->name + "' is read-only in " + article + " shaders");
+    warning(root->position,
+            "the shader global '" + variable->name + "' is not meant to be written in " + article + " shaders",
+            {"it changes for what follows, and nothing else does"});
   }
   return true;
 }

@@ -37,11 +37,6 @@ void Checker::checkTextureOptions(Call& call) {
                                   ", and this is of type " + toString(value.type));
       continue;
     }
-    // As in version 1.14 of the language: it may be given, and does nothing.
-    const auto* space = std::get_if<StringLiteral>(&value.node);
-    if (option->kind == TextureOptionKind::colorSpace && space && !space->value.empty())
-      warning(arguments[i]->position, "option \"colorspace\" has no effect here",
-              {"transformc(\"" + space->value + "\", \"rgb\", …) converts what the texture gives"});
     requireAssignable(option->type, value, "the value of option \"" + name->value + "\"");
   }
 }

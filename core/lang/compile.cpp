@@ -51,7 +51,10 @@ std::shared_ptr<const Program> programOf(const Program& layer) {
 Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();
-  return compile(parseShaderFile(path, *complete), options.natives.get());
+  auto compiled = compile(parseShaderFile(path, *complete), options.natives.get());
+  // Whoever wrote a compiled file has heard them.
+  if (compiled && path.extension() == ".oso") compiled->warnings = {};
+  return compiled;
 }
 
 Result<CompiledSource> compileString(const std::string& text, const std::string& name, const CompileOptions& options) {

@@ -300,7 +300,9 @@ class Differentiator {
     }
     if (output && givesUserData(program_, instruction)) {
       // What is not found leaves the variable as it was.
-      return builder_.select(instruction.result, changeOfUserData(instruction, axis), derivative(y, axis));
+      const VariableId found = changeOfUserData(instruction, axis), before = derivative(y, axis);
+      return program_.variables[y].type.isArray() ? chooseArray(instruction.result, found, before)
+                                                  : builder_.select(instruction.result, found, before);
     }
     if (isFlat) return zero;
     const FunctionRule* const rule = findFunctionRule(function);
@@ -311,11 +313,35 @@ class Differentiator {
     return rule->rule ? rule->rule(builder_, call) : zero;
   }
 
+  VariableId localOf(const Type& type) {
+    Variable variable;
+    variable.type = type;
+    variable.storage = Storage::local;
+    return builder_.addVariable(std::move(variable));
+  }
+
+  /// One of two arrays, or as much of it as there is; `no` may be `zero`.
+  VariableId chooseArray(VariableId condition, VariableId yes, VariableId no) {
+    const Type type = program_.variables[yes].type;
+    const VariableId chosen = localOf(type), other = builder_.as(type, no);
+    Instruction& branch = builder_.append(Op::branch);
+    branch.arguments = {condition};
+    for (const VariableId value : {yes, other}) {
+      Instruction assign;
+      assign.op = Op::assign;
+      assign.location = branch.location;
+      assign.result = chosen;
+      assign.arguments = {value};
+      branch.bodies.push_back({std::move(assign)});
+    }
+    return chosen;
+  }
+
   /// int userdatachange(string name, int axis, output any change)
   VariableId changeOfUserData(const Instruction& instruction, std::size_t axis) {
     const std::uint32_t function = builder_.hostFunction("userdatachange", 1u << 2, dependsOnPoint);
     const VariableId number = builder_.integer(static_cast<std::int32_t>(axis));
-    const VariableId change = builder_.temporary(program_.variables[instruction.arguments[1]].type);
+    const VariableId change = localOf(program_.variables[instruction.arguments[1]].type);
     const VariableId found = builder_.temporary(types::integer);
     Instruction& call = builder_.append(Op::call);
     call.function = function;

@@ -12,6 +12,7 @@ constexpr std::string_view digits = "0123456789";
 constexpr std::string_view integerConversions = "dioxXcu";
 constexpr std::string_view floatingConversions = "fFeEgGaA";
 constexpr std::string_view tripleConversions = "pnvm";  // Of older shaders, for points and the like: as %g.
+constexpr std::string_view lengths = "hlLqjzt";         // Sizes of C's types, which mean nothing here.
 constexpr int maximumWidth = 1000;
 
 bool contains(std::string_view set, char c) { return set.find(c) != std::string_view::npos; }
@@ -29,6 +30,7 @@ std::size_t conversionLength(std::string_view text) {
   while (i < text.size() && contains(flags, text[i])) ++i;
   numberAt(text, i);
   if (i < text.size() && text[i] == '.') numberAt(text, ++i);
+  while (i < text.size() && contains(lengths, text[i])) ++i;
   if (i == text.size()) return 0;
   const char c = text[i];
   return contains(integerConversions, c) || contains(floatingConversions, c) || contains(tripleConversions, c) ||
@@ -75,7 +77,9 @@ std::optional<std::vector<FormatPiece>> splitFormat(std::string_view format) {
     if (length == 0) return std::nullopt;
     if (!plain.empty()) pieces.push_back({std::move(plain), 0});
     plain.clear();
-    pieces.push_back({std::string(format.substr(i, length)), format[i + length - 1]});
+    std::string conversion(format.substr(i, length));
+    std::erase_if(conversion, [&](char c) { return contains(lengths, c); });
+    pieces.push_back({std::move(conversion), format[i + length - 1]});
     i += length;
   }
   if (!plain.empty()) pieces.push_back({std::move(plain), 0});

@@ -132,6 +132,11 @@ class Merger {
       if (known == noVariable) known = add(variable);
       return known;
     }
+    if (isClosureMessage(variable)) {
+      const auto [known, isNew] = closureMessages_.emplace(variable.name, noVariable);
+      if (isNew) known->second = add(variable);
+      return known->second;
+    }
     if (variable.storage != Storage::constant) return noVariable;
     return constant({variable.type, variable.value}, variable.name);
   }
@@ -459,7 +464,7 @@ class Merger {
   std::unordered_map<const Program*, std::unique_ptr<Shader>> shaders_;
   std::vector<const Shader*> shadersOfLayers_;
   std::array<VariableId, globalCount> globals_ = noGlobals();
-  std::unordered_map<std::string, VariableId> constants_;
+  std::unordered_map<std::string, VariableId> constants_, closureMessages_;
   /// A function of the host may write other arguments at another place.
   static std::string keyOf(const FunctionUse& function) {
     return fmt::format("{} {} {} {} {}", function.symbol, function.host, function.pure, function.outputs,

@@ -80,6 +80,7 @@ Value Lowerer::lowerSpecial(const Expression& expression, const Call& called) {
   if (name == "pointcloud_search" || name == "pointcloud_get") return lowerPointQuery(expression, called);
   if (name == "getattribute") return lowerGetAttribute(expression, called);
   if (name == "isconstant") return lowerIsConstant(expression, called);
+  if (name == "random") return lowerRandom(expression, called);
   if (name == "concat") return lowerConcat(expression, called);
   return lowerFormat(expression, called);
 }

@@ -40,6 +40,10 @@ std::optional<Constant> Lowerer::foldHostCall(const std::string& function, const
 Value Lowerer::lowerHostCall(const Expression& expression, const Call& called) {
   const BuiltinOverload& overload = *called.builtin;
   const auto& arguments = called.arguments;
+  if (arguments.size() > 1 && arguments.back()->type == types::closure) {
+    if (called.name == "setmessage") return lowerSetClosureMessage(expression, called);
+    if (called.name == "getmessage") return lowerGetClosureMessage(expression, called);
+  }
   std::vector<VariableId> ids;
   std::vector<std::pair<Place, VariableId>> copiesBack;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
@@ -97,6 +101,24 @@ Value Lowerer::lowerIsConstant(const Expression& expression, const Call& called)
   position_ = expression.position;
   if (isConstantValue(value)) return {types::integer, {constantInt(1)}};
   return {types::integer, {callHost("isconstant", types::integer, {value.single()}, {.folds = false})}};
+}
+
+/// Calls are counted as the shader runs, so that loops get new numbers and calls can be left out and moved as any
+/// others that depend on their arguments alone. The bounds are for ranges.
+Value Lowerer::lowerRandom(const Expression& expression, const Call& called) {
+  position_ = expression.position;
+  const Type& type = called.builtin->result;
+  if (randomCalls_ == noVariable) randomCalls_ = local(types::integer, "random numbers");
+  const VariableId number = temporary(types::integer);
+  Instruction& copy = append(Op::assign);
+  copy.result = number;
+  copy.arguments = {randomCalls_};
+  assign(randomCalls_, emit(Op::add, types::integer, {number, constantInt(1)}));
+  const VariableId drawn =
+      callHost("random", type, {number, constantString(program_.name)}, {.traits = dependsOnPoint, .folds = false});
+  return componentwise("min", type,
+                       {componentwise("max", type, {{type, {drawn}}, zeroValue(type)}),
+                        convert({types::floating, {constantFloat(1)}}, type)});
 }
 
 void Lowerer::bindUserData(const Parameter& parameter) {

@@ -44,7 +44,7 @@ Value Lowerer::lowerTexture(const Expression& expression, const Call& called) {
   for (std::size_t i = given; i + 1 < called.arguments.size(); i += 2) {
     const std::string& name = std::get<StringLiteral>(called.arguments[i]->node).value;
     const TextureOption* const known = findTextureOption(name);
-    if (!known || known->kind == TextureOptionKind::colorSpace) {
+    if (!known) {
       lower(*called.arguments[i + 1]);  // Nothing but its side effects.
       continue;
     }

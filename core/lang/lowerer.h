@@ -208,7 +208,14 @@ class Lowerer {
   Value lowerHostCall(const Expression& expression, const Call& called);
   Value lowerGetAttribute(const Expression& expression, const Call& called);
   Value lowerIsConstant(const Expression& expression, const Call& called);
+  Value lowerRandom(const Expression& expression, const Call& called);
   void bindUserData(const Parameter& parameter);
+
+  // lower_closure_messages.cpp
+  std::optional<std::string> messageName(const Expression& name);
+  VariableId closureMessage(const std::string& name);
+  Value lowerSetClosureMessage(const Expression& expression, const Call& called);
+  Value lowerGetClosureMessage(const Expression& expression, const Call& called);
 
   // lower_native.cpp
   Value callNative(const FunctionDeclaration& function, const std::vector<Value>& arguments, Position position);
@@ -234,6 +241,8 @@ class Lowerer {
   Code* code_ = nullptr;
   std::unordered_map<const VariableDeclaration*, Value> bindings_;
   std::map<std::string, VariableId> constants_;
+  VariableId randomCalls_ = noVariable;                ///< How many random numbers the point has taken.
+  std::map<std::string, VariableId> closureMessages_;  ///< By the message's name.
   std::map<Position, std::uint32_t> locations_;
   std::map<std::string, std::uint32_t> functions_;
   /// How temporaries that put triples together were made, for taking them apart again.

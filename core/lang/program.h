@@ -80,6 +80,10 @@ struct Variable {
   ConstantValue value;          ///< When storage is constant.
 };
 
+/// Messages that are closures are variables with such names, one for all layers of a group.
+inline constexpr std::string_view closureMessagePrefix = "closure message ";
+bool isClosureMessage(const Variable& variable);
+
 enum class Op : std::uint8_t {
   // result = op(arguments). A triple argument beside a float one means: the float is used for all three components.
   assign,        ///< (x): same type, arrays too; triples of any kind, closures too.

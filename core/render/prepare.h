@@ -24,6 +24,7 @@ struct PrepareOptions {
   jit::Target target;
   std::string embreeIsa;                ///< Empty: the best of this machine.
   int textureMemory_MB = 1024;          ///< For decoded texels, at least 16.
+  ColorSettings colors = {};            ///< Of the colour spaces that shaders name.
   bool laneCounters = false;            ///< Kernels count the lanes that work (slower).
   std::uint32_t loopBudget = 1u << 20;  ///< Iterations of one loop that one point may run.
   std::optional<SamplingPlan> plan;     ///< Methods of all media, in place of the scene's and the renderer's choice.

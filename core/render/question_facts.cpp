@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/hash.h"
+#include "core/base/random.h"
 #include "core/render/kernel_queue.h"
 #include "core/render/prepared_scene.h"
 
@@ -33,6 +34,13 @@ bool QuestionFacts::isBackfacing(std::uint32_t point) const {
   float cosine = 0;
   for (std::size_t i = 0; i < 3; ++i) cosine += component(lang::Global::I, i) * component(lang::Global::Ng, i);
   return cosine > 0;
+}
+
+std::uint64_t QuestionFacts::randomKey(std::uint32_t point) const {
+  const PendingQuestion& from = questions_[point];
+  PathContext& path = *paths_[from.slot];
+  const std::uint64_t key = combineHashes(path.random().key(), path.random().sampleIndex());
+  return combineHashes(key, path.questionNumber(from.question));
 }
 
 float QuestionFacts::surfaceArea(std::uint32_t point) const { return instance(point).surfaceArea; }

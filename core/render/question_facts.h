@@ -22,6 +22,7 @@ class QuestionFacts final : public shading::PointFacts {
 
   std::uint32_t rayTypes(std::uint32_t point) const override;
   bool isBackfacing(std::uint32_t point) const override;
+  std::uint64_t randomKey(std::uint32_t point) const override;
   float surfaceArea(std::uint32_t point) const override;
   const shading::AttributeTable* attributes(std::uint32_t point) const override;
   std::optional<lang::Type> userData(std::uint32_t point, std::uint64_t nameHash,

@@ -63,6 +63,8 @@ class SampleStream {
   void skipTo(std::uint32_t slot) { slot_ = slot; }
   std::uint32_t slot() const { return slot_; }
   std::uint32_t sampleIndex() const { return sample_; }
+  /// Of the seed and the pixel.
+  std::uint64_t key() const { return key_; }
 
  private:
   static constexpr std::uint32_t hashStart = 1u << 31;

@@ -5,6 +5,7 @@
 #include "core/accel/point_cloud.h"
 #include "core/accel/point_writer.h"
 #include "core/grid/grid_file.h"
+#include "core/image/colors.h"
 #include "core/image/pending_file.h"
 #include "core/image/textures.h"
 #include "core/scene/xml_dictionary.h"
@@ -24,6 +25,7 @@ class SceneServices final : public shading::Services {
       TextureSettings settings;
       for (const auto& folder : settings_.searchPath) settings.searchPath.push_back(folder.string());
       settings.memory_MB = settings_.textureMemory_MB;
+      settings.colors = settings_.colors;
       auto source = image::openTextures(settings);
       if (source) {
         textures_ = std::move(*source);
@@ -33,6 +35,19 @@ class SceneServices final : public shading::Services {
     });
     problem = textureProblem_;
     return textures_.get();
+  }
+
+  ColorSource* colors(std::string& problem) override {
+    std::call_once(colorsOnce_, [&] {
+      auto source = image::openColors(settings_.colors);
+      if (source) {
+        colors_ = std::move(*source);
+      } else {
+        colorProblem_ = textOf(source.errors());
+      }
+    });
+    problem = colorProblem_;
+    return colors_.get();
   }
 
   DictionarySource* dictionaries() override { return dictionaries_.get(); }
@@ -135,6 +150,9 @@ class SceneServices final : public shading::Services {
   std::once_flag texturesOnce_;
   std::unique_ptr<TextureSource> textures_;
   std::string textureProblem_;
+  std::once_flag colorsOnce_;
+  std::unique_ptr<ColorSource> colors_;
+  std::string colorProblem_;
   std::unique_ptr<DictionarySource> dictionaries_;
   std::mutex mutex_;
   Files<VoxelFile> voxels_;

@@ -16,6 +16,7 @@ namespace aerosol::render {
 struct ServiceSettings {
   std::vector<std::filesystem::path> searchPath;  ///< For files that shaders name.
   int textureMemory_MB = 1024;
+  ColorSettings colors = {};
 };
 
 std::unique_ptr<shading::Services> makeServices(ServiceSettings settings);

@@ -1,10 +1,12 @@
 #include "core/shading/attribute_functions.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "core/base/hash.h"
+#include "core/base/random.h"
 #include "core/shading/attributes.h"
 #include "core/shading/ray_type.h"
 
@@ -158,6 +160,40 @@ void backfacingFunction(PointCall& call) {
 
 void surfaceAreaFunction(PointCall& call) {
   call.forEachLane([&](unsigned lane) { call.set(result, lane, call.host().facts().surfaceArea(call.point(lane))); });
+}
+
+/// A space that is not known leaves the colour as it is.
+void colorsFunction(PointCall& call) {
+  const ColorTransform* transform = nullptr;
+  std::uint64_t from = 0, to = 0;
+  std::string problem;
+  bool isKnown = false;
+  call.forEachLane([&](unsigned lane) {
+    if (!isKnown || call.hash(0, lane) != from || call.hash(1, lane) != to) {
+      from = call.hash(0, lane);
+      to = call.hash(1, lane);
+      transform = call.host().services().colors(call.text(0, lane), call.text(1, lane), problem);
+      isKnown = true;
+    }
+    std::array<float, 3> color{};
+    for (std::size_t c = 0; c < 3; ++c) color[c] = call.floating(2, lane, c);
+    if (transform) {
+      transform->apply(color.data(), 1);
+    } else {
+      call.report(lane, problem);
+    }
+    for (std::size_t c = 0; c < 3; ++c) call.set(result, lane, color[c], c);
+  });
+}
+
+void randomFunction(PointCall& call) {
+  const std::size_t components = call.componentCount(result);
+  call.forEachLane([&](unsigned lane) {
+    const auto number = static_cast<std::uint32_t>(call.integer(0, lane));
+    const std::uint64_t key = combineHashes(call.host().facts().randomKey(call.point(lane)), call.hash(1, lane));
+    for (std::size_t c = 0; c < components; ++c)
+      call.set(result, lane, randomFloat(key, number, static_cast<std::uint32_t>(c)), c);
+  });
 }
 
 }  // namespace aerosol::shading

@@ -18,5 +18,7 @@ void userDataChangeFunction(PointCall& call);
 void rayTypeFunction(PointCall& call);      ///< int (string)
 void backfacingFunction(PointCall& call);   ///< int ()
 void surfaceAreaFunction(PointCall& call);  ///< float ()
+void colorsFunction(PointCall& call);       ///< color (string from, string to, color)
+void randomFunction(PointCall& call);       ///< float or triple (int number of the call, string shader)
 
 }  // namespace aerosol::shading

@@ -24,6 +24,7 @@ const AttributeTable* SceneAttributes::find(std::uint64_t nameHash) const {
 
 std::uint32_t PointFacts::rayTypes(std::uint32_t) const { return 0; }
 bool PointFacts::isBackfacing(std::uint32_t) const { return false; }
+std::uint64_t PointFacts::randomKey(std::uint32_t point) const { return point; }
 float PointFacts::surfaceArea(std::uint32_t) const { return 0; }
 const AttributeTable* PointFacts::attributes(std::uint32_t) const { return nullptr; }
 std::optional<lang::Type> PointFacts::userData(std::uint32_t, std::uint64_t, std::span<float, maximumUserData>) const {

@@ -67,6 +67,8 @@ class PointFacts {
   virtual std::uint32_t rayTypes(std::uint32_t point) const;
   /// Is the surface seen from the side that its normal points away from?
   virtual bool isBackfacing(std::uint32_t point) const;
+  /// What the point's random numbers depend on: the same for the same sample of a pixel, whatever else is in the batch.
+  virtual std::uint64_t randomKey(std::uint32_t point) const;
   /// Area of the object, in square scene units.
   virtual float surfaceArea(std::uint32_t point) const;
   /// Of the object that the point lies on or in; null when it has none.

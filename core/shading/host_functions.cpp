@@ -37,6 +37,8 @@ constexpr std::array table = {
     Entry{"raytype", rayTypeFunction},
     Entry{"backfacing", backfacingFunction},
     Entry{"surfacearea", surfaceAreaFunction},
+    Entry{"colors", colorsFunction},
+    Entry{"random", randomFunction},
     Entry{"setmessage", setMessageFunction},
     Entry{"getmessage", getMessageFunction},
     Entry{"trace", traceFunction},

@@ -23,7 +23,8 @@ struct Ends {
 /// Whether both ends of the box ask for the same thing at different places.
 bool asksAlike(const TexturePoint& a, const TexturePoint& b) {
   return a.interpolation == b.interpolation && a.firstChannel == b.firstChannel && a.subimage == b.subimage &&
-         a.subimageName == b.subimageName && a.fill == b.fill && std::ranges::equal(a.wrap, b.wrap);
+         a.subimageName == b.subimageName && a.colorSpace == b.colorSpace && a.fill == b.fill &&
+         std::ranges::equal(a.wrap, b.wrap);
 }
 
 /// Of one channel of an image: with the black around it, and what stands for channels that it does not have.
@@ -58,13 +59,14 @@ Ends boundVoxels(const VoxelGrid& grid, const TexturePoint& low, const TexturePo
 /// One lane's lookup.
 class Lookup {
  public:
-  Lookup(PointCall& call, unsigned lane) : services_(call.host().services()), file_(call.text(0, lane)) {
+  Lookup(PointCall& call, unsigned lane, std::string_view colorSpace)
+      : services_(call.host().services()), file_(call.text(0, lane)) {
     std::string problem;
     isVoxels_ = call.site().function == "texture3d" && services_.isVoxelFile(file_);
     if (isVoxels_) {
       voxels_ = services_.voxels(file_, problem);
     } else if (TextureSession* session = services_.textures(problem)) {
-      image_ = session->range(file_);
+      image_ = session->range(file_, colorSpace);
     }
   }
 
@@ -92,7 +94,7 @@ void boundLookup(PointCall& low, PointCall& high) {
   low.forEachLane([&](unsigned lane) {
     const TexturePoint from = lows.read(lane), to = highs.read(lane);
     const bool isAlike = asksAlike(from, to) && low.hash(0, lane) == high.hash(0, lane);
-    const Lookup lookup(low, lane);
+    const Lookup lookup(low, lane, from.colorSpace);
     std::array<float, maximumTextureChannels> least{}, greatest{};
     for (int c = 0; c < lows.channels(); ++c) {
       const Ends ends = isAlike ? lookup.bound(from, to, c) : Ends{};

@@ -19,4 +19,10 @@ bool ServicesOfThread::writePoint(std::string_view name, std::vector<PointAttrib
   return false;
 }
 
+const ColorTransform* ServicesOfThread::colors(std::string_view from, std::string_view to, std::string& problem) {
+  problem = noServices;
+  ColorSource* const source = services_ ? services_->colors(problem) : nullptr;
+  return source ? source->between(from, to, problem) : nullptr;
+}
+
 }  // namespace aerosol::shading

@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/base/color_source.h"
 #include "core/base/dictionary_source.h"
 #include "core/base/point_cloud.h"
 #include "core/base/result.h"
@@ -23,6 +24,8 @@ class Services {
 
   /// Null, with a message, when the library cannot be loaded.
   virtual TextureSource* textures(std::string& problem) = 0;
+  /// Null, with a message, when the library cannot be loaded or the configuration cannot be read.
+  virtual ColorSource* colors(std::string& problem) = 0;
   /// Whether a name is one of a voxel file.
   virtual bool isVoxelFile(std::string_view name) const = 0;
   /// Null, with a message, when the file cannot be read.
@@ -51,6 +54,8 @@ class ServicesOfThread {
     return find(points_, &Services::points, name, problem);
   }
   bool writePoint(std::string_view name, std::vector<PointAttribute> point, std::string& problem);
+  /// As ColorSource::between.
+  const ColorTransform* colors(std::string_view from, std::string_view to, std::string& problem);
   DictionarySource* dictionaries() { return services_ ? services_->dictionaries() : nullptr; }
 
  private:

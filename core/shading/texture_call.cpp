@@ -78,6 +78,8 @@ void TextureCall::apply(const Option& option, unsigned lane, TexturePoint& point
       }
       return call_.report(lane, "unknown interpolation \"" + std::string(call_.text(at, lane)) + "\"");
     case TextureOptionKind::colorSpace:
+      point.colorSpace = call_.text(at, lane);
+      return;
     case TextureOptionKind::alpha:
     case TextureOptionKind::errorMessage:
       return;

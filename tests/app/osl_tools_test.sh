@@ -82,6 +82,15 @@ expect 1 compile -o folder many.osl
 said err "folder: error: cannot write this file"
 
 echo "-- a compiled file stands for its source"
+echo 'shader idle() { float nothing = 1; printf("idle\n"); }' >idle.osl
+shows 0 oslc idle.osl <<'OUT'
+idle.osl:1: warning: variable 'nothing' is never used
+Compiled idle.osl -> idle.oso
+OUT
+shows 0 testshade idle <<'OUT'
+idle
+
+OUT
 shows 0 testshade --param Kd 3.0 many <<'OUT'
 6 1
 

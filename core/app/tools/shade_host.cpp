@@ -79,7 +79,7 @@ std::shared_ptr<const ShadeHost> makeShadeHost(const ShadeArguments& arguments,
                                                std::vector<std::filesystem::path> searchPath, const ShadeGroup& group) {
   auto host = std::make_shared<ShadeHost>();
   host->rayTypes = rayTypeNamed(arguments.rayType);
-  host->services = render::makeServices({std::move(searchPath), textureMemory_MB});
+  host->services = render::makeServices({.searchPath = std::move(searchPath), .textureMemory_MB = textureMemory_MB});
   shading::AttributeTable& table = host->attributes.global;
   describeGrid(arguments.grid, group, table);
   host->traced.set("geom:name", Constant::ofString("teapot"));

@@ -43,6 +43,7 @@ class GridFacts final : public shading::PointFacts {
   void begin(int first) { first_ = first; }
 
   std::uint32_t rayTypes(std::uint32_t) const override { return host_.rayTypes; }
+  std::uint64_t randomKey(std::uint32_t point) const override { return static_cast<std::uint64_t>(number(point)); }
   float surfaceArea(std::uint32_t) const override { return 1; }
   std::optional<lang::Type> userData(std::uint32_t point, std::uint64_t nameHash,
                                      std::span<float, maximumUserData> values) const override;

@@ -4,95 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
+
+#include "core/image/module/color_config.h"
 
 namespace aerosol::image {
 
 namespace {
 
 namespace ocio = OCIO_NAMESPACE;
-
-constexpr const char* acesView = "ACES 1.0 SDR";
-
-/// Linear Rec.709 to ACEScg (AP1), with the Bradford adaptation between their white points.
-ocio::TransformRcPtr rec709ToAcesCg() {
-  auto transform = ocio::BuiltinTransform::Create();
-  transform->setStyle("UTILITY - ACES-AP1_to_LINEAR-REC709_BFD");
-  transform->setDirection(ocio::TRANSFORM_DIR_INVERSE);
-  return transform;
-}
-
-ocio::TransformRcPtr builtin(const char* style) {
-  auto transform = ocio::BuiltinTransform::Create();
-  transform->setStyle(style);
-  return transform;
-}
-
-ocio::TransformRcPtr invertedBuiltin(const char* style) {
-  auto transform = ocio::BuiltinTransform::Create();
-  transform->setStyle(style);
-  transform->setDirection(ocio::TRANSFORM_DIR_INVERSE);
-  return transform;
-}
-
-/// IEC 61966-2-1: linear below 0.0031308, then 1.055 x^(1/2.4) - 0.055.
-ocio::TransformRcPtr linearToSrgb() {
-  auto transform = ocio::ExponentWithLinearTransform::Create();
-  transform->setGamma({2.4, 2.4, 2.4, 1});
-  transform->setOffset({0.055, 0.055, 0.055, 0});
-  transform->setDirection(ocio::TRANSFORM_DIR_INVERSE);
-  return transform;
-}
-
-/// Linear Rec.709 through ACES' reference rendering and SDR output transform to sRGB.
-ocio::TransformRcPtr rec709ToAcesSdr() {
-  auto group = ocio::GroupTransform::Create();
-  group->appendTransform(rec709ToAcesCg());
-  group->appendTransform(builtin("UTILITY - ACES-AP1_to_CIE-XYZ-D65_BFD"));
-  group->appendTransform(invertedBuiltin("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD"));
-  group->appendTransform(builtin("ACES-OUTPUT - ACES2065-1_to_CIE-XYZ-D65 - SDR-VIDEO_1.0"));
-  group->appendTransform(builtin("DISPLAY - CIE-XYZ-D65_to_sRGB"));
-  return group;
-}
-
-void addColorSpace(ocio::Config& config, const char* name, const ocio::ConstTransformRcPtr& fromReference,
-                   bool isData = false) {
-  auto space = ocio::ColorSpace::Create();
-  space->setName(name);
-  space->setIsData(isData);
-  if (fromReference) space->setTransform(fromReference, ocio::COLORSPACE_DIR_FROM_REFERENCE);
-  config.addColorSpace(space);
-}
-
-/// The reference space is linear Rec.709.
-ocio::ConstConfigRcPtr builtinConfig() {
-  const auto config = ocio::Config::Create();
-  config->setMajorVersion(2);
-  addColorSpace(*config, "lin_rec709", nullptr);
-  addColorSpace(*config, "ACEScg", rec709ToAcesCg());
-  addColorSpace(*config, "sRGB", linearToSrgb());
-  addColorSpace(*config, acesView, rec709ToAcesSdr());
-  addColorSpace(*config, "Raw", nullptr, true);
-  config->setRole(ocio::ROLE_SCENE_LINEAR, "lin_rec709");
-  config->setRole(ocio::ROLE_DEFAULT, "Raw");
-  for (const char* view : {"sRGB", acesView, "Raw"}) config->addDisplayView("sRGB", view, view, "");
-  return config;
-}
-
-ocio::ConstConfigRcPtr openConfig(const std::string& file) {
-  if (!file.empty()) return ocio::Config::CreateFromFile(file.c_str());
-  const char* environment = std::getenv("OCIO");
-  if (environment && *environment) return ocio::Config::CreateFromFile(environment);
-  return builtinConfig();
-}
-
-template <class NameAt>
-std::string joinNames(int count, NameAt&& nameAt) {
-  std::string list;
-  for (int i = 0; i < count; ++i) list += std::string(i == 0 ? "" : ", ") + "'" + nameAt(i) + "'";
-  return list;
-}
 
 struct DisplayView {
   std::string source, display, view;
@@ -168,7 +88,7 @@ std::string toDisplay(const ImageBuffer& image, const DisplayOptions& options, b
   }
   if (!std::isfinite(options.exposure)) return "the exposure is not a finite number";
   ocio::SetLoggingLevel(ocio::LOGGING_LEVEL_NONE);
-  const auto config = openConfig(options.config);
+  const auto config = openColorConfig(options.config);
   DisplayView names;
   if (std::string message = resolve(*config, options, names); !message.empty()) return message;
   auto transform = ocio::DisplayViewTransform::Create();

@@ -2,6 +2,7 @@
 #include <OpenEXR/OpenEXRConfig.h>
 #include <OpenImageIO/imageio.h>
 
+#include "core/image/module/color_config.h"
 #include "core/image/module/files.h"
 #include "core/image/module/table.h"
 #include "core/image/module/textures.h"
@@ -21,7 +22,7 @@ std::vector<std::string> versions() {
 }  // namespace
 
 extern "C" __attribute__((visibility("default"))) const ModuleTable* aerosolImageModule() {
-  static constexpr ModuleTable table{writeFile, readFile, versions, makeTextures, writePlainFile};
+  static constexpr ModuleTable table{writeFile, readFile, versions, makeTextures, makeColors, writePlainFile};
   return &table;
 }
 

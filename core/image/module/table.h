@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/color_source.h"
 #include "core/base/texture_source.h"
 #include "core/image/image.h"
 #include "core/image/plain_image.h"
@@ -20,6 +21,8 @@ struct ModuleTable {
   std::vector<std::string> (*versions)();
   /// Null, with a message, when the settings are refused.
   std::unique_ptr<TextureSource> (*textures)(const TextureSettings& settings, std::string& message);
+  /// Null, with a message, when the settings are refused.
+  std::unique_ptr<ColorSource> (*colors)(const ColorSettings& settings, std::string& message);
   /// Writes to `path` in the format that `format` (an extension) names.
   std::string (*writePlain)(const std::string& path, const std::string& format, const PlainImage& image,
                             const PlainOptions& options);

@@ -5,6 +5,9 @@
 #include <limits>
 #include <vector>
 
+#include "core/image/module/color_config.h"
+#include "core/image/module/converted_input.h"
+
 namespace aerosol::image {
 
 namespace {
@@ -58,7 +61,7 @@ bool addFile(OIIO::ImageCache& cache, ustring name, TextureRange& range) {
 }
 
 std::optional<TextureRange> findRange(OIIO::TextureSystem& system, const TextureFile& file) {
-  if (!file.handle) return {};
+  if (!file.handle || !file.convertedFrom.empty()) return {};
   std::vector<ustring> names;
   if (file.isUdim) {
     int columns = 0, rows = 0;
@@ -81,7 +84,9 @@ std::optional<TextureRange> findRange(OIIO::TextureSystem& system, const Texture
 }  // namespace
 
 TextureFiles::TextureFiles(const TextureSettings& settings)
-    : cache_(OIIO::ImageCache::create(false)), system_(OIIO::TextureSystem::create(false, cache_)) {
+    : colorSettings_(settings.colors),
+      cache_(OIIO::ImageCache::create(false)),
+      system_(OIIO::TextureSystem::create(false, cache_)) {
   std::string path;
   for (const std::string& folder : settings.searchPath) path += (path.empty() ? "" : ":") + folder;
   if (!path.empty()) system_->attribute("searchpath", path);
@@ -97,8 +102,43 @@ TextureFiles::~TextureFiles() {
   OIIO::ImageCache::destroy(cache_);
 }
 
-TextureFile& TextureFiles::open(std::string_view name) {
+TextureFile& TextureFiles::open(std::string_view name, std::string_view colorSpace) {
   const std::lock_guard lock(mutex_);
+  if (colorSpace.empty()) return openAsItIs(name);
+  const std::string key = std::string(name) + "\n" + std::string(colorSpace);
+  if (const auto known = files_.find(key); known != files_.end()) return *known->second;
+  const TextureFile& plain = openAsItIs(name);
+  auto& file = *(files_[key] = std::make_unique<TextureFile>());
+  file.isUdim = plain.isUdim;
+  file.problem = plain.problem;
+  if (plain.handle) convert(file, plain, name, colorSpace);
+  return file;
+}
+
+void TextureFiles::convert(TextureFile& file, const TextureFile& plain, std::string_view name,
+                           std::string_view colorSpace) {
+  if (!colors_ && colorProblem_.empty()) colors_ = makeColors(colorSettings_, colorProblem_);
+  std::string problem = colorProblem_;
+  const ColorTransform* const transform = colors_ ? colors_->between(colorSpace, "rgb", problem) : nullptr;
+  if (!transform) {
+    file.problem = "cannot convert the texture \"" + std::string(name) + "\": " + problem;
+    return;
+  }
+  if (plain.isUdim) {
+    file.handle = plain.handle;
+    file.convertedFrom = colorSpace;
+    return;
+  }
+  const ustring converted(std::string(name) + "?colorspace=" + std::string(colorSpace));
+  addConverted(*cache_, converted, system_->resolve_filename(system_->filename_from_handle(plain.handle).string()),
+               *transform);
+  file.handle = system_->get_texture_handle(converted);
+  if (file.handle && system_->good(file.handle)) return;
+  file.handle = nullptr;
+  file.problem = "cannot read the texture \"" + std::string(name) + "\": " + system_->geterror();
+}
+
+TextureFile& TextureFiles::openAsItIs(std::string_view name) {
   if (const auto known = files_.find(name); known != files_.end()) return *known->second;
   auto& file = *(files_[std::string(name)] = std::make_unique<TextureFile>());
   const ustring text(name);

@@ -20,7 +20,8 @@ namespace aerosol::image {
 struct TextureFile {
   OIIO::TextureSystem::TextureHandle* handle = nullptr;  ///< Null when the name is no readable file.
   bool isUdim = false;
-  std::string problem;  ///< Why it cannot be read: the same text whoever asks first.
+  std::string convertedFrom;  ///< The colour space, of a UDIM set whose tiles are converted; empty: none is.
+  std::string problem;        ///< Why it cannot be read: the same text whoever asks first.
 
   std::once_flag rangeOnce;
   std::optional<TextureRange> range;
@@ -36,11 +37,18 @@ class TextureFiles {
 
   OIIO::TextureSystem& system() { return *system_; }
 
-  /// Opens the file when nobody has yet. The result stays valid.
-  TextureFile& open(std::string_view name);
+  /// Opens the file when nobody has yet. The result stays valid. `colorSpace` as in TexturePoint: of a UDIM set each
+  /// tile is a file of its own.
+  TextureFile& open(std::string_view name, std::string_view colorSpace);
   const std::optional<TextureRange>& range(TextureFile& file);
 
  private:
+  TextureFile& openAsItIs(std::string_view name);
+  void convert(TextureFile& file, const TextureFile& plain, std::string_view name, std::string_view colorSpace);
+
+  ColorSettings colorSettings_;
+  std::unique_ptr<ColorSource> colors_;
+  std::string colorProblem_;
   OIIO::ImageCache* cache_ = nullptr;
   OIIO::TextureSystem* system_ = nullptr;
   std::mutex mutex_;

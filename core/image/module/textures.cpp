@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <unordered_map>
+#include <utility>
 
 #include "core/image/module/texture_files.h"
 
@@ -101,8 +103,8 @@ class Session final : public TextureSession {
 
   void lookup(TextureKind kind, std::string_view name, std::span<const TexturePoint> points, int channels,
               float* results, std::vector<TextureFailure>& failures) override {
-    TextureFile& file = find(name);
     for (std::size_t i = 0; i < points.size(); ++i, results += channels) {
+      TextureFile& file = find(name, points[i].colorSpace);
       std::string message = file.problem;
       if (!file.handle) {
         const bool hasMissing = points[i].hasMissing;
@@ -119,7 +121,7 @@ class Session final : public TextureSession {
 
   std::optional<TextureInfo> info(std::string_view name, const float* st, std::string_view entry,
                                   const TextureInfoType& type) override {
-    TextureFile& file = find(name);
+    TextureFile& file = find(name, {});
     TextureInfo info;
     if (entry == "exists") {
       if (type.base != TextureInfoType::Base::integer || type.componentCount() != 1) return {};
@@ -153,17 +155,38 @@ class Session final : public TextureSession {
     return info;
   }
 
-  std::optional<TextureRange> range(std::string_view name) override { return files_.range(find(name)); }
+  std::optional<TextureRange> range(std::string_view name, std::string_view colorSpace) override {
+    return files_.range(find(name, colorSpace));
+  }
 
  private:
-  TextureFile& find(std::string_view name) {
+  TextureFile& find(std::string_view name, std::string_view colorSpace) {
+    if (!colorSpace.empty()) {
+      auto& converted = converted_[{std::string(name), std::string(colorSpace)}];
+      if (!converted) converted = &files_.open(name, colorSpace);
+      return *converted;
+    }
     if (const auto known = opened_.find(name); known != opened_.end()) return *known->second;
-    TextureFile& file = files_.open(name);
+    TextureFile& file = files_.open(name, {});
     opened_.emplace(name, &file);
     return file;
   }
 
+  /// The tile of a UDIM set, each of which is converted by itself.
+  bool sampleTile(const TextureFile& file, const TexturePoint& point, int channels, float* result) {
+    TexturePoint inside = point;
+    for (int i = 0; i < 2; ++i) inside.at[i] = boundedCoordinate(point.at[i]);
+    auto* const tile = system_.resolve_udim(file.handle, thread_, inside.at[0], inside.at[1]);
+    if (!tile)
+      return sample(TextureKind::plane, find(system_.filename_from_handle(file.handle).string(), {}), point, channels,
+                    result);
+    for (int i = 0; i < 2; ++i) inside.at[i] -= std::floor(inside.at[i]);
+    TextureFile& converted = find(system_.filename_from_handle(tile).string(), file.convertedFrom);
+    return converted.handle && sample(TextureKind::plane, converted, inside, channels, result);
+  }
+
   bool sample(TextureKind kind, TextureFile& file, const TexturePoint& point, int channels, float* result) {
+    if (!file.convertedFrom.empty() && kind == TextureKind::plane) return sampleTile(file, point, channels, result);
     OIIO::TextureOpt options = optionsOf(point);
     const auto triple = [](const float* v, auto&& bounded) {
       return Imath::V3f(bounded(v[0]), bounded(v[1]), bounded(v[2]));
@@ -195,6 +218,7 @@ class Session final : public TextureSession {
   OIIO::TextureSystem& system_;
   OIIO::TextureSystem::Perthread* thread_;
   std::unordered_map<std::string, TextureFile*, Hash, std::equal_to<>> opened_;
+  std::map<std::pair<std::string, std::string>, TextureFile*> converted_;  ///< By file and colour space.
 };
 
 class Source final : public TextureSource {

@@ -50,7 +50,7 @@ Preparation::Preparation(const scene::SceneDescription& about, const Registry& p
       scene(std::make_unique<PreparedScene>()),
       meshFiles(about),
       links(about, *scene) {
-  scene->services = makeServices({searchPath(about, how), how.textureMemory_MB});
+  scene->services = makeServices({searchPath(about, how), how.textureMemory_MB, how.colors});
 }
 
 void Preparation::appendNew(const Diagnostics& added) {

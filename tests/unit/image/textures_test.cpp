@@ -96,6 +96,40 @@ TEST_F(Textures, LinearInterpolatesBetweenTexels) {
   EXPECT_FLOAT_EQ(look(file, at(1.75f / 8, t, TextureInterpolation::linear), 1)[0], 101.25f);
 }
 
+TEST_F(Textures, ColorSpacesAreConvertedBeforeTexelsAreFiltered) {
+  const auto decode = [](double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); };
+  const auto file = write("encoded.exr", 4, 4, {"R", "G", "B", "A"}, [](int x, int, int c) {
+    const float alpha = x < 2 ? 1.0f : 0.5f;
+    return c == 3 ? alpha : alpha * (x % 2 == 0 ? 0.2f : 0.8f);
+  });
+  TexturePoint texel = at(0.125f, 0.125f);
+  texel.colorSpace = "sRGB";
+  EXPECT_NEAR(look(file, texel, 3)[1], decode(0.2), 1e-6);
+  TexturePoint between = at(0.25f, 0.375f, TextureInterpolation::linear);
+  between.colorSpace = "sRGB";
+  EXPECT_NEAR(look(file, between, 3)[2], (decode(0.2) + decode(0.8)) / 2, 1e-6);
+  // Colours are not multiplied by alpha while they are converted, and alpha is no colour.
+  TexturePoint thin = at(0.875f, 0.375f);
+  thin.colorSpace = "sRGB";
+  EXPECT_NEAR(look(file, thin, 4)[0], 0.5 * decode(0.8), 1e-6);
+  EXPECT_EQ(look(file, thin, 4)[3], 0.5f);
+  // The same file as it is, beside that; and its range where it is converted.
+  EXPECT_NEAR(look(file, at(0.125f, 0.125f), 3)[1], 0.2f, 1e-7);
+  const auto range = session_->range(file, "sRGB");
+  ASSERT_TRUE(range.has_value());
+  EXPECT_NEAR(range->greatest[0], decode(0.8), 1e-5);
+  EXPECT_TRUE(failures_.empty());
+  // "rgb" is the space of the render; a name that nobody knows is a failure that says so.
+  TexturePoint linear = at(0.125f, 0.125f);
+  linear.colorSpace = "rgb";
+  EXPECT_NEAR(look(file, linear, 3)[0], 0.2f, 1e-7);
+  linear.colorSpace = "no such space";
+  look(file, linear, 3);
+  ASSERT_EQ(failures_.size(), 1u);
+  EXPECT_NE(failures_[0].message.find("unknown colour space \"no such space\""), std::string::npos)
+      << failures_[0].message;
+}
+
 TEST_F(Textures, WrapModes) {
   const auto file = write("a.exr", 4, 4, {"Y"}, [](int x, int y, int) { return static_cast<float>(1 + x + 10 * y); });
   const auto wrapped = [&](float s, TextureWrap wrap) {
@@ -209,7 +243,7 @@ TEST_F(Textures, UdimTiles) {
   EXPECT_TRUE(failures_.empty());
   look(file, at(5.5f, 0.5f), 1);
   EXPECT_EQ(failures_.size(), 1u);
-  const auto range = session_->range(file);
+  const auto range = session_->range(file, {});
   ASSERT_TRUE(range);
   EXPECT_EQ(range->least, (std::vector<float>{1001}));
   EXPECT_EQ(range->greatest, (std::vector<float>{1011}));
@@ -243,7 +277,7 @@ TEST_F(Textures, SearchPath) {
 
 TEST_F(Textures, RangeHoldsEveryFilteredValue) {
   const auto file = write("n.exr", 40, 24, {"Y"}, [](int x, int y, int) { return std::sin(float(x * x + 7 * y * y)); });
-  const auto range = session_->range(file);
+  const auto range = session_->range(file, {});
   ASSERT_TRUE(range);
   EXPECT_FALSE(range->hasNan);
   for (int i = 0; i < 4000; ++i) {
