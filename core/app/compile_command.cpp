@@ -35,7 +35,8 @@ Result<std::vector<Variant>> compileForScene(const std::shared_ptr<const lang::P
   const shading::Family& family = system.families().front();
   constexpr std::pair<shading::Variant, const char*> variants[] = {{shading::Variant::coefficients, "coefficients"},
                                                                    {shading::Variant::extinction, "extinction"},
-                                                                   {shading::Variant::surface, "closures"}};
+                                                                   {shading::Variant::surface, "closures"},
+                                                                   {shading::Variant::displacement, "displacement"}};
   std::vector<Variant> made;
   for (const auto& [variant, name] : variants) {
     const auto& kernel = family.kernels[static_cast<std::size_t>(variant)];
@@ -87,7 +88,7 @@ bool compileShader(const std::filesystem::path& file, bool warningsAreErrors, co
     return false;
   }
   if (warningsAreErrors && !warnings.empty()) return false;
-  const bool isPlaced = (*program)->kind == "volume" || (*program)->kind == "surface";
+  const bool isPlaced = (*program)->kind != "shader";
   const auto variants = isPlaced ? compileForScene(*program, toolchain) : compileOutputs(*program, toolchain);
   if (!variants) {
     console.report(variants.errors());

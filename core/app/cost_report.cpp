@@ -14,8 +14,8 @@ namespace aerosol::app {
 
 namespace {
 
-constexpr std::array<std::string_view, shading::variantCount> variantNames{"coefficients", "extinction", "surface",
-                                                                           "outputs", "velocity"};
+constexpr std::array<std::string_view, shading::variantCount> variantNames{
+    "coefficients", "extinction", "surface", "outputs", "velocity", "displacement"};
 constexpr std::array<std::string_view, phaseCount> phaseNames{"paths",     "shaders", "gathering", "tracing",
                                                               "intervals", "lights",  "film"};
 constexpr std::array<std::string_view, phaseCount> phaseMeanings{"trackers, scattering, bookkeeping of paths",

@@ -17,6 +17,7 @@ namespace {
 Severity severityOf(std::uint32_t kind) { return kind == AEROSOL_MESSAGE_ERROR ? Severity::error : Severity::warning; }
 
 std::string describe(const render::PathId& path) {
+  if (path.x < 0) return "a vertex, before the render";
   return fmt::format("pixel ({}, {}), sample {}", path.x, path.y, path.sample);
 }
 

@@ -43,7 +43,7 @@ Result<Toolchain> openToolchain(const KernelArguments& arguments, Diagnostics& w
 std::shared_ptr<lang::NativeSource> openPlugins(const std::vector<std::filesystem::path>& folders) {
   std::vector<std::filesystem::path> all;
   for (const std::filesystem::path& folder : folders) {
-    for (const char* kind : {"", "volume", "surface", "light", "texture"})
+    for (const char* kind : {"", "volume", "surface", "displacement", "light", "texture"})
       all.push_back((folder.empty() ? std::filesystem::path(".") : folder) / kind);
   }
   return std::make_shared<shading::NativePlugins>(std::move(all));

@@ -45,6 +45,7 @@ class Merger {
     if (errors_.hasErrors()) return errors_;
     decideMovability();
     program_.ci = globals_[static_cast<std::size_t>(Global::Ci)];
+    if (program_.kind == "displacement") addDisplaced();
     program_.body = LayerPlacement(program_, std::move(codes_), std::move(producers_)).run();
     const std::vector<SourceLocation> locations = program_.locations;
     Program whole = complete(std::move(program_), [&](std::uint32_t location, std::string message) {
@@ -432,6 +433,17 @@ class Merger {
         if (value != noVariable) program_.outputs.push_back({OutputKind::parameter, number, 0, value});
       }
       ++number;
+    }
+  }
+
+  /// What all layers together make of the point and its normal.
+  void addDisplaced() {
+    for (const Global global : displacedGlobals) {
+      Variable variable;
+      variable.type = global == Global::P ? types::point : types::normal;
+      variable.storage = Storage::global;
+      variable.global = global;
+      program_.outputs.push_back(displacedOutput(global, shared(variable)));
     }
   }
 

@@ -70,6 +70,12 @@ Program Lowerer::run() {
     if (parameter.isOutput && !parameter.type.closure)
       program_.outputs.push_back({OutputKind::parameter, static_cast<std::uint32_t>(i), 0, parameter.variable});
   }
+  if (program_.kind == "displacement") {
+    for (const Global global : displacedGlobals) {
+      const VariableDeclaration& declaration = *source_.globals[static_cast<std::size_t>(global)];
+      program_.outputs.push_back(displacedOutput(global, bindings_[&declaration].single()));
+    }
+  }
   return std::move(program_);
 }
 

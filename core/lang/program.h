@@ -5,6 +5,7 @@
 // analysis (liveness, uniformity, what is read) is done here, once for all domains, and without LLVM.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -241,6 +242,8 @@ enum class OutputKind : std::uint8_t {
   siteParameter,  ///< `index` is the site, `subIndex` the parameter.
   // Any shader.
   parameter,  ///< An output parameter; `index` is the parameter.
+  // Displacement shaders.
+  displaced,  ///< Where the surface is, and its normal there; `index` 0 is P, 1 is N.
 };
 
 struct Output {
@@ -249,6 +252,12 @@ struct Output {
   std::uint32_t subIndex = 0;
   VariableId variable = noVariable;  ///< Holds the value when the body has run.
 };
+
+/// What displacement shaders change, by the index of OutputKind::displaced.
+inline constexpr std::array displacedGlobals = {Global::P, Global::N};
+inline Output displacedOutput(Global global, VariableId variable) {
+  return {OutputKind::displaced, global == Global::P ? 0u : 1u, 0, variable};
+}
 
 inline constexpr int maximumLobes = 4;
 

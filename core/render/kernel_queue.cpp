@@ -346,7 +346,8 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
     case shading::Variant::velocity:
       moveQuestions(paths);
       return settled_;
-    case shading::Variant::outputs:  // No scene makes these.
+    case shading::Variant::displacement:  // Run before the first ray.
+    case shading::Variant::outputs:       // No scene makes these.
       break;
   }
   return running_;

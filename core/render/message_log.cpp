@@ -12,15 +12,23 @@ void MessageLog::collect(shading::KernelHost& host, const shading::Batch& batch,
     if (record.lane >= lanes.size()) continue;
     const PendingQuestion& from = lanes[record.lane];
     const PathContext& path = *paths[from.slot];
-    messages_.insert({path.id(), path.questionNumber(from.question), calls[record.lane]++, record.kind,
-                      shading::locationOf(record, interface), shading::describe(record, interface, text),
-                      record.kind == AEROSOL_MESSAGE_FILE ? shading::fileOf(record, text) : std::string()});
-    if (messages_.size() > maximum_) {
-      messages_.erase(std::prev(messages_.end()));
-      ++dropped_;
-    }
+    insert({path.id(), path.questionNumber(from.question), calls[record.lane]++, record.kind,
+            shading::locationOf(record, interface), shading::describe(record, interface, text),
+            record.kind == AEROSOL_MESSAGE_FILE ? shading::fileOf(record, text) : std::string()});
   }
   host.records().clear();
+}
+
+void MessageLog::add(Message message) {
+  const std::lock_guard lock(mutex_);
+  insert(std::move(message));
+}
+
+void MessageLog::insert(Message message) {
+  messages_.insert(std::move(message));
+  if (messages_.size() <= maximum_) return;
+  messages_.erase(std::prev(messages_.end()));
+  ++dropped_;
 }
 
 void MessageLog::reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,

@@ -36,6 +36,9 @@ class MessageLog {
   void collect(shading::KernelHost& host, const shading::Batch& batch, std::span<const PendingQuestion> lanes,
                std::span<PathContext* const> paths);
 
+  /// Takes one that was said before the render: the pixel of its path is (-1, -1), and it comes before all others.
+  void add(Message message);
+
   /// A shader gave NaN, infinite or negative coefficients. Kept once a medium: for the first (pixel, sample, question).
   void reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
                      const PathId& path, std::uint32_t question = 0);
@@ -73,6 +76,8 @@ class MessageLog {
       return std::tie(a.path, a.question, a.call) < std::tie(b.path, b.question, b.call);
     }
   };
+
+  void insert(Message message);
 
   const std::size_t maximum_;
   mutable std::mutex mutex_;

@@ -11,6 +11,7 @@
 #include "core/render/media_probe.h"
 #include "core/render/overlap.h"
 #include "core/render/preparation/aovs.h"
+#include "core/render/preparation/displacement.h"
 #include "core/render/preparation/lights.h"
 #include "core/render/preparation/materials.h"
 #include "core/render/preparation/media.h"
@@ -132,6 +133,7 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   state.scene->shutter = state.description.sensor.shutter();
   setUpCamera(state);
   bindMaterials(state);
+  bindDisplacements(state);
   bindLightTextures(state);
   placeMedia(state);
   if (state.errors.hasErrors()) return fail(state);

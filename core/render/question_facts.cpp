@@ -8,6 +8,7 @@
 #include "core/base/hash.h"
 #include "core/base/random.h"
 #include "core/render/kernel_queue.h"
+#include "core/render/mesh_user_data.h"
 #include "core/render/prepared_scene.h"
 
 namespace aerosol::render {
@@ -49,24 +50,12 @@ const shading::AttributeTable* QuestionFacts::attributes(std::uint32_t point) co
   return instance(point).attributes.get();
 }
 
-static lang::Type typeOf(const accel::MeshAttribute& attribute) {
-  if (attribute.channels == 1) return lang::types::floating;
-  return attribute.channels == 3 ? lang::types::color : lang::types::floating.arrayOf(attribute.channels);
-}
-
 /// Attributes of the mesh that the point lies on.
 std::optional<lang::Type> QuestionFacts::userData(std::uint32_t point, std::uint64_t nameHash,
                                                   std::span<float, maximumUserData> values) const {
   const Question& asked = question(point);
   const accel::TriangleMesh* mesh = asked.surfacePoint ? scene_.meshWithAttributes(asked.surface) : nullptr;
-  if (!mesh || asked.surfacePoint->place().triangle >= mesh->triangles.size()) return {};
-  for (const accel::MeshAttribute& attribute : mesh->attributes) {
-    if (hashString(attribute.name) != nameHash) continue;
-    const std::array<float, 4> found = valueAt(*mesh, attribute, asked.surfacePoint->place());
-    std::copy_n(found.begin(), attribute.channels, values.begin());
-    return typeOf(attribute);
-  }
-  return {};
+  return mesh ? meshUserData(*mesh, asked.surfacePoint->place(), nameHash, values) : std::nullopt;
 }
 
 /// Whether an object is one of those that count: the one of that name, all but that with "-" in front, or any.

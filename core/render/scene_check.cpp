@@ -56,6 +56,7 @@ Diagnostics checkParts(const scene::SceneDescription& description, const Registr
   Diagnostics warnings;
   Preparation state(description, registry, options, warnings);
   for (const scene::ShaderUse& use : description.materials) checkShader(state, use, "surface");
+  for (const scene::Displacement& each : description.displacements) checkShader(state, each.shader, "displacement");
   for (const scene::Medium& medium : description.media) checkShader(state, medium.shader, "volume");
   for (const scene::Shape& shape : description.shapes) checkMesh(state, shape);
   for (const scene::Emitter& emitter : description.emitters) checkEmitter(state, emitter);

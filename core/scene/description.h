@@ -44,7 +44,7 @@ struct ShaderParameter {
   std::optional<Value> convertTo(ValueType type) const { return convert(value, type, untyped); }
 };
 
-/// Index into `SceneDescription::materials`, `media` or `layers`.
+/// Index into `SceneDescription::materials`, `media`, `displacements` or `layers`.
 using Index = std::size_t;
 
 /// A layer connected to a parameter: a nested `<texture>`, or a `<ref>` to one.
@@ -257,6 +257,19 @@ struct SunPlace {
   float hour = 15, minute = 0, second = 0;
 };
 
+/// How fine the mesh of a displaced surface is. What decides is the first of these that is given.
+struct Tessellation {
+  std::optional<int> levels;        ///< Every edge is halved so many times.
+  std::optional<float> edgeLength;  ///< Scene units, > 0: no edge is longer.
+  float edgePixels = 2;             ///< > 0: no edge is longer than that as the camera sees it.
+};
+
+/// A displacement shader.
+struct Displacement {
+  ShaderUse shader;
+  Tessellation tessellation;
+};
+
 struct Emitter {
   EmitterType type = EmitterType::constant;
   /// Point, spot: radiant intensity (W/sr). Directional: irradiance (W/m²) at right angles. Constant, area: radiance.
@@ -323,7 +336,8 @@ struct Shape {
   std::optional<bool>
       flipTexCoords;  ///< Of meshes from files: v of the file counts from below. Not given: of obj it does.
   Index material = 0;
-  std::optional<Index> interior;  ///< Surface-defined, exclusive medium on the side away from the normal.
+  std::optional<Index> displacement;  ///< Then it is a mesh, whatever its type.
+  std::optional<Index> interior;      ///< Surface-defined, exclusive medium on the side away from the normal.
   std::optional<Index> exterior;
   int priority = 0;                    ///< Of what is inside, where the material does not say; 0: off.
   bool clipVolumes = false;            ///< Where the inside rules there are no volume primitives.
@@ -391,6 +405,7 @@ struct SceneDescription {
   Sampler sampler;
   std::vector<ShaderUse> materials;
   std::vector<Medium> media;
+  std::vector<Displacement> displacements;
   std::vector<ShaderUse> layers;  ///< Textures and other shaders that are connected to parameters.
   std::vector<Shape> shapes;
   std::vector<Volume> volumes;

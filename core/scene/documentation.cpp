@@ -72,7 +72,7 @@ Parameters are written <TYPE name="…" value="…"/> with the types
     two of them translations and stretches change evenly and rotations take the shortest way; outside they stand still.
     Blur shows from shutter_open to shutter_close of the sensor.
 
-Shaders (bsdf, medium, texture) take other shaders as inputs of their parameters:
+Shaders (bsdf, medium, displacement, texture) take other shaders as inputs of their parameters:
   <texture name="PARAMETER" type="SHADER" output="…"> in a shader is a layer whose output feeds that parameter, or the
   part of it that is named (c.r, p[0], a[2], s.field). Without output="…" it is the first output that fits. A bsdf in a
   bsdf, or a medium in a medium, feeds a closure parameter. A layer with an id can be used many times by
@@ -120,6 +120,14 @@ std::vector<ObjectDoc> objectDocs(const KnownTypes& known) {
                   "a surface shader: diffuse, null, or SHADER.osl on the search path; its parameters",
                   "texture, bsdf named as the parameter they feed; source or group",
                   {}});
+  docs.push_back(
+      {"displacement",
+       "SHADER",
+       {},
+       "a displacement shader: SHADER.osl on the search path moves P (in world space, before the render); its "
+       "parameters, and",
+       "texture named as the parameter it feeds; source or group",
+       specsOf(tessellationFields())});
   docs.push_back({"texture",
                   "SHADER",
                   {},

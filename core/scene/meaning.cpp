@@ -293,12 +293,15 @@ class SceneBuilder {
     const auto type = readTyped(element, shapeTypes(), shape);
     if (type) shape.type = static_cast<ShapeType>(*type);
     if (shape.origin.has("filename")) findShapeFile(shape);
-    const std::vector<Child> children = ids_.children(element, {"bsdf", "emitter", "medium"}, reporter_);
+    const std::vector<Child> children =
+        ids_.children(element, {"bsdf", "displacement", "emitter", "medium"}, reporter_);
     const Child emitter = IdTable::single(children, "emitter", reporter_);
     if (emitter.object) readAreaLight(emitter, shape);
     const Child bsdf = IdTable::single(children, "bsdf", reporter_);
     shape.material = bsdf.object ? shaders_.material(*bsdf.object)
                                  : shaders_.defaultMaterial(element.location, emitter.object != nullptr);
+    const Child displacement = IdTable::single(children, "displacement", reporter_);
+    if (displacement.object) shape.displacement = shaders_.displacement(*displacement.object);
     for (const Child& child : children) {
       if (child.object->tag == "medium") readShapeMedium(child, shape);
     }

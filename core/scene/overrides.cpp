@@ -142,7 +142,9 @@ class Targets {
     for (Volume& volume : scene.volumes) addVolume(volume);
     for (ShaderUse& material : scene.materials) addShader("bsdf", material);
     for (ShaderUse& layer : scene.layers) addShader("texture", layer);
-    for (Medium& medium : scene.media) addMedium(medium);
+    for (Medium& medium : scene.media) addShader("medium", medium.shader, samplingFields(), medium.sampling);
+    for (Displacement& displacement : scene.displacements)
+      addShader("displacement", displacement.shader, tessellationFields(), displacement.tessellation);
   }
 
   /// Those whose id is `name`; else of that type; else of that kind; all of them for `*`.
@@ -205,12 +207,14 @@ class Targets {
     targets_.push_back(std::move(target));
   }
 
-  void addMedium(Medium& medium) {
-    Target target{"medium", medium.shader.name, medium.shader.origin.id, namesOf(samplingFields()), true, {}};
-    for (const ShaderParameter& p : medium.shader.parameters) target.parameters.push_back(p.name);
-    target.set = [this, &medium](const Assignment& a) {
-      if (!findField(samplingFields(), a.parameter)) return setShaderParameter(scene_, medium.shader, a);
-      return setField(samplingFields(), medium.sampling, medium.shader.origin, a);
+  /// A shader that has fields of its own beside its parameters.
+  template <class T>
+  void addShader(const char* kind, ShaderUse& shader, const std::vector<Field<T>>& fields, T& object) {
+    Target target{kind, shader.name, shader.origin.id, namesOf(fields), true, {}};
+    for (const ShaderParameter& p : shader.parameters) target.parameters.push_back(p.name);
+    target.set = [this, &shader, &fields, &object](const Assignment& a) {
+      if (!findField(fields, a.parameter)) return setShaderParameter(scene_, shader, a);
+      return setField(fields, object, shader.origin, a);
     };
     targets_.push_back(std::move(target));
   }

@@ -96,9 +96,7 @@ Index ShaderBuilder::material(const Element& element) {
   for (const Property& property : element.properties) properties.push_back(&property);
   const Index index = entry->second;
   scene_.materials.push_back(shaderOf(element, properties));
-  open_.push_back(&element);
-  addInputs(ids_.children(element, nestedTags(element.tag), reporter_), scene_.materials[index]);
-  open_.pop_back();
+  addLayers(element, ids_.children(element, nestedTags(element.tag), reporter_), scene_.materials[index]);
   return index;
 }
 
@@ -115,21 +113,51 @@ std::optional<Index> ShaderBuilder::lightTexture(const Child& texture) {
   return scene_.materials.size() - 1;
 }
 
+template <class T>
+ShaderUse ShaderBuilder::shaderWith(const Element& element, const std::vector<Field<T>>& fields, T& object) {
+  Origin origin;
+  PropertyReader reader(element, origin, reporter_);
+  reader.apply(fields, object);
+  ShaderUse shader = shaderOf(element, reader.rest());
+  shader.origin.parameters.merge(origin.parameters);
+  return shader;
+}
+
+void ShaderBuilder::addLayers(const Element& element, const std::vector<Child>& children, ShaderUse& shader) {
+  open_.push_back(&element);
+  addInputs(children, shader);
+  open_.pop_back();
+}
+
 Index ShaderBuilder::medium(const Element& element) {
   const auto [entry, isNew] = media_.try_emplace(&element, scene_.media.size());
   if (!isNew) return entry->second;
   Medium medium;
-  Origin origin;
-  PropertyReader reader(element, origin, reporter_);
-  reader.apply(samplingFields(), medium.sampling);
-  medium.shader = shaderOf(element, reader.rest());
-  medium.shader.origin.parameters.merge(origin.parameters);
+  medium.shader = shaderWith(element, samplingFields(), medium.sampling);
   const std::vector<Child> children = ids_.children(element, nestedTags(element.tag), reporter_);
   addPhase(children, medium);
-  open_.push_back(&element);
-  addInputs(children, medium.shader);
-  open_.pop_back();
+  addLayers(element, children, medium.shader);
   scene_.media.push_back(std::move(medium));
+  return entry->second;
+}
+
+Index ShaderBuilder::displacement(const Element& element) {
+  const auto [entry, isNew] = displacements_.try_emplace(&element, scene_.displacements.size());
+  if (!isNew) return entry->second;
+  Displacement displacement;
+  displacement.shader = shaderWith(element, tessellationFields(), displacement.tessellation);
+  std::string given;
+  for (const Field<Tessellation>& field : tessellationFields()) {
+    if (!displacement.shader.origin.has(field.spec.name)) continue;
+    if (!given.empty()) {
+      reporter_.error(
+          displacement.shader.origin.of(field.spec.name),
+          fmt::format("'{}' and '{}' both say how fine the surface is: write one of them", given, field.spec.name));
+    }
+    given = field.spec.name;
+  }
+  addLayers(element, ids_.children(element, nestedTags(element.tag), reporter_), displacement.shader);
+  scene_.displacements.push_back(std::move(displacement));
   return entry->second;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/scene/description.h"
+#include "core/scene/field.h"
 #include "core/scene/id_table.h"
 #include "core/scene/reporter.h"
 
@@ -19,6 +20,7 @@ class ShaderBuilder {
 
   Index material(const Element& element);
   Index medium(const Element& element);
+  Index displacement(const Element& element);
   /// The texture of a light as a material that emits it.
   std::optional<Index> lightTexture(const Child& texture);
   /// What a shape without bsdf is made of, as Mitsuba has it: grey diffuse, or black diffuse when it emits.
@@ -26,6 +28,10 @@ class ShaderBuilder {
 
  private:
   ShaderUse shaderOf(const Element& element, const std::vector<const Property*>& properties);
+  /// A shader whose element also has the fields of `object`.
+  template <class T>
+  ShaderUse shaderWith(const Element& element, const std::vector<Field<T>>& fields, T& object);
+  void addLayers(const Element& element, const std::vector<Child>& children, ShaderUse& shader);
   void addInputs(const std::vector<Child>& children, ShaderUse& shader);
   std::optional<Index> layer(const Child& child);
   void addPhase(const std::vector<Child>& children, Medium& medium);
@@ -36,6 +42,7 @@ class ShaderBuilder {
   Reporter& reporter_;
   std::map<const Element*, Index> materials_;
   std::map<const Element*, Index> media_;
+  std::map<const Element*, Index> displacements_;
   std::map<const Element*, Index> layers_;
   std::vector<const Element*> open_;  ///< Layers around the one that is being built.
   std::optional<Index> grey_;

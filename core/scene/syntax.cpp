@@ -36,7 +36,9 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-bool isShader(const std::string& tag) { return tag == "bsdf" || tag == "medium" || tag == "texture"; }
+bool isShader(const std::string& tag) {
+  return tag == "bsdf" || tag == "medium" || tag == "texture" || tag == "displacement";
+}
 
 ValueType typeOfTag(const std::string& tag) {
   if (tag == "float") return ValueType::number;
@@ -464,8 +466,9 @@ class TreeReader {
 }  // namespace
 
 const std::vector<std::string>& objectTags() {
-  static const std::vector<std::string> tags = {"integrator", "sensor", "film",   "sampler", "rfilter", "shape",
-                                                "volume",     "bsdf",   "medium", "texture", "emitter", "phase"};
+  static const std::vector<std::string> tags = {"integrator", "sensor", "film",        "sampler", "rfilter",
+                                                "shape",      "volume", "bsdf",        "medium",  "texture",
+                                                "emitter",    "phase",  "displacement"};
   return tags;
 }
 

@@ -17,6 +17,8 @@ const std::vector<TypeTable<Phase>>& phaseTypes();
 const std::vector<TypeTable<Emitter>>& emitterTypes();
 /// Sampling parameters, of media and volumes.
 const std::vector<Field<MediumSampling>>& samplingFields();
+/// How fine a displaced surface is, of displacements.
+const std::vector<Field<Tessellation>>& tessellationFields();
 /// Velocity blur, of volumes.
 const std::vector<Field<VelocityBlur>>& velocityFields();
 /// What all volumes have beside the parameters of their type and `samplingFields`.

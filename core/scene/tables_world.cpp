@@ -78,7 +78,7 @@ TypeTable<Shape> shapeTable(const char* type, const char* doc, std::vector<Field
   return {.type = type,
           .doc = doc,
           .fields = std::move(fields),
-          .nested = "bsdf, emitter of type area, medium named interior, medium named exterior"};
+          .nested = "bsdf, displacement, emitter of type area, medium named interior, medium named exterior"};
 }
 
 std::vector<Field<Shape>> sphereFields() {
@@ -367,6 +367,25 @@ const std::vector<Field<MediumSampling>>& samplingFields() {
           {.name = "distance", .doc = "distance sampling", .defaultText = "the integrator's"}),
       field<&MediumSampling::transmittance>(
           {.name = "transmittance", .doc = "transmittance to lights", .defaultText = "the integrator's"})};
+  return fields;
+}
+
+const std::vector<Field<Tessellation>>& tessellationFields() {
+  static const std::vector<Field<Tessellation>> fields = {
+      field<&Tessellation::edgePixels>(
+          {.name = "edge_pixels",
+           .unit = "pixels",
+           .doc = "edges are halved until the camera sees none longer; eight times that outside of the picture",
+           .range = Range::positive()}),
+      field<&Tessellation::edgeLength>({.name = "edge_length",
+                                        .unit = "scene units",
+                                        .doc = "instead: edges are halved until none is longer",
+                                        .defaultText = "by edge_pixels",
+                                        .range = Range::positive()}),
+      field<&Tessellation::levels>({.name = "levels",
+                                    .doc = "instead: all edges are halved so many times",
+                                    .defaultText = "by edge_pixels",
+                                    .range = {.minimum = 0, .maximum = 12}})};
   return fields;
 }
 

@@ -77,7 +77,7 @@ std::vector<fs::path> ShaderLibrary::folders() const {
   std::vector<fs::path> all;
   for (const fs::path& folder : searchPath_) {
     all.push_back(folder);
-    for (const char* kind : {"volume", "surface", "light", "texture"}) all.push_back(folder / kind);
+    for (const char* kind : {"volume", "surface", "displacement", "light", "texture"}) all.push_back(folder / kind);
   }
   return all;
 }

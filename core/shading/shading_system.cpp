@@ -106,6 +106,9 @@ std::vector<lang::Output> outputsOf(const Family& family, Variant variant) {
       case Variant::velocity:
         wanted = output.kind == OutputKind::parameter && program.parameters[output.index].name == family.velocityOutput;
         break;
+      case Variant::displacement:
+        wanted = output.kind == OutputKind::displaced;
+        break;
     }
     if (wanted) chosen.push_back(output);
   }
@@ -219,6 +222,8 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
     } else if (family.program->isVolume()) {
       jobs.push_back({&family, Variant::coefficients, {}});
       jobs.push_back({&family, Variant::extinction, {}});
+    } else if (family.program->kind == "displacement") {
+      jobs.push_back({&family, Variant::displacement, {}});
     } else if (!givesVelocityAlone(family)) {
       jobs.push_back({&family, Variant::surface, {}});
     }
@@ -239,10 +244,11 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
   }
   if (errors.hasErrors()) return errors;
   for (Family& family : families_) {
-    const Variant any = options.outputsAlone         ? Variant::outputs
-                        : family.program->isVolume() ? Variant::coefficients
-                        : givesVelocityAlone(family) ? Variant::velocity
-                                                     : Variant::surface;
+    const Variant any = options.outputsAlone                     ? Variant::outputs
+                        : family.program->isVolume()             ? Variant::coefficients
+                        : family.program->kind == "displacement" ? Variant::displacement
+                        : givesVelocityAlone(family)             ? Variant::velocity
+                                                                 : Variant::surface;
     writeInstanceData(family, family.kernel(any).interface());
   }
   return errors;

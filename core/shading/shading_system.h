@@ -25,8 +25,9 @@ enum class Variant : std::uint8_t {
   surface,       ///< Surfaces: weights and parameters of all closure sites.
   outputs,       ///< Any shader: its output parameters. Made only when asked for.
   velocity,      ///< The output parameter that Family::velocityOutput names. Made only where it names one.
+  displacement,  ///< Displacement shaders: where the surface is, and its normal.
 };
-inline constexpr std::size_t variantCount = 5;
+inline constexpr std::size_t variantCount = 6;
 
 /// A value that an instance gives to a parameter; its type is that of the program's parameter.
 struct ParameterValue {

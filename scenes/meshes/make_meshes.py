@@ -77,22 +77,3 @@ write_ply("tumbler.ply", *lathe([(0, 0), (OUTER, 0), (OUTER, HEIGHT), (INNER, HE
 for name, reach in ("liquid_overlap.ply", 0.03), ("liquid_gap.ply", -0.02), ("liquid_fit.ply", 0):
     r, bottom = INNER + reach, BOTTOM - reach
     write_ply(name, *lathe([(0, bottom), (r, bottom), (r, LEVEL), (0, LEVEL)], SIDES))
-
-
-def water(half, cells):
-    """An open, wavy plane around y = 0, facing up."""
-    positions, triangles = [], []
-    for i in range(cells + 1):
-        for j in range(cells + 1):
-            x, z = half * (2 * i / cells - 1), half * (2 * j / cells - 1)
-            y = 0.09 * math.sin(1.3 * x + 0.4 * z) + 0.06 * math.sin(2.1 * z - 0.7 * x + 1) + 0.025 * math.sin(4.7 * x + 3.1 * z)
-            positions.append((x, y, z))
-    at = lambda i, j: i * (cells + 1) + j
-    for i in range(cells):
-        for j in range(cells):
-            triangles.append((at(i, j), at(i, j + 1), at(i + 1, j + 1)))
-            triangles.append((at(i, j), at(i + 1, j + 1), at(i + 1, j)))
-    return positions, triangles
-
-
-write_ply("water.ply", *water(9, 72))

@@ -96,6 +96,8 @@ std::string nameOf(const lang::Program& program, const OutputComponent& output) 
       return "siteParameter" + index + "." + std::to_string(output.subIndex);
     case lang::OutputKind::parameter:
       return program.parameters[output.index].name;
+    case lang::OutputKind::displaced:
+      return output.index == 0 ? "displaced P" : "displaced N";
   }
   return {};
 }

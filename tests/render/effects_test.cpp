@@ -100,6 +100,9 @@ const std::vector<EffectCase>& cases() {
        std::string(sky) +
            R"(<shape type="sphere"><bsdf type="dielectric"><integer name="priority" value="1"/></bsdf></shape>)",
        {"light-sampling", "constant-light", "surfaces", "nested-media"}},
+      {"displaced",
+       std::string(sky) + R"(<shape type="sphere"><displacement type="height"/></shape>)",
+       {"light-sampling", "constant-light", "surfaces", "displacement"}},
       {"subsurface",
        std::string(sky) + R"(<shape type="sphere"><bsdf type="subsurface"/></shape>)",
        {"light-sampling", "constant-light", "surfaces", "subsurface"}},
@@ -287,7 +290,8 @@ TEST(CommonEffects, DoNothingWhereTheyAreLeftOut) {
 TEST(EffectTable, EveryEffectHasItsTests) {
   const TestScene scene = loadScene("", {.fov = 40, .width = 4, .height = 4}, sky);
   ASSERT_TRUE(scene.scene());
-  std::set<std::string> shown{"ray-tracing", "multiple-scattering", "russian-roulette", "shader-messages", "layers"};
+  std::set<std::string> shown{"ray-tracing", "multiple-scattering", "russian-roulette", "shader-messages",
+                              "layers",      "deep-output"};
   for (const EffectCase& each : cases()) shown.insert(each.on.begin(), each.on.end());
   std::set<std::string> known;
   for (const app::Effect& effect : app::listEffects(scene.description(), *scene.scene())) {

@@ -83,7 +83,9 @@ Diagnostics examineGeometry(const scene::SceneDescription& description, const re
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (!bounds(scene.objects[i])) continue;
     meshes[i] = scene.geometry->mesh(static_cast<accel::ObjectId>(i));
-    const bool isClosedKind = description.shapes[i].type != scene::ShapeType::rectangle;
+    const scene::ShapeType type = description.shapes[i].type;
+    const bool isClosedKind =
+        type != scene::ShapeType::rectangle && type != scene::ShapeType::disk && type != scene::ShapeType::cylinder;
     if (meshes[i] && isClosedKind) reportMesh(checkMesh(*meshes[i]), description.shapes[i].origin.location, found);
   }
   for (const CoincidentFaces& pair : findCoincidentFaces(meshes)) {
@@ -99,7 +101,8 @@ Diagnostics examineGeometry(const scene::SceneDescription& description, const re
     for (std::size_t j = 0; j < i; ++j) {
       const scene::Shape &a = description.shapes[j], &b = description.shapes[i];
       const bool areSpheres = a.type == scene::ShapeType::sphere && b.type == scene::ShapeType::sphere;
-      if (!areSpheres || !bounds(scene.objects[i]) || !bounds(scene.objects[j])) continue;
+      if (!areSpheres || a.displacement || b.displacement || !bounds(scene.objects[i]) || !bounds(scene.objects[j]))
+        continue;
       if (!areEqualSpheres(a, b)) continue;
       found.warning(b.origin.location, "this surface coincides with another one that bounds a medium",
                     {fmt::format("the other one is at {}:{}:{}", a.origin.location.file, a.origin.location.line,
@@ -148,9 +151,10 @@ Diagnostics examineSampling(const scene::SceneDescription&, const render::Prepar
 
 Diagnostics examineInputs(const scene::SceneDescription& description, const render::PreparedScene& scene) {
   Diagnostics found;
-  std::set<scene::Index> materials, media;
+  std::set<scene::Index> materials, media, displacements;
   for (const scene::Shape& shape : description.shapes) {
     materials.insert(shape.material);
+    if (shape.displacement) displacements.insert(*shape.displacement);
     for (const auto& medium : {shape.interior, shape.exterior}) {
       if (medium) media.insert(*medium);
     }
@@ -166,6 +170,9 @@ Diagnostics examineInputs(const scene::SceneDescription& description, const rend
   }
   for (scene::Index i = 0; i < description.media.size(); ++i) {
     if (!media.contains(i)) report(description.media[i].shader, "medium");
+  }
+  for (scene::Index i = 0; i < description.displacements.size(); ++i) {
+    if (!displacements.contains(i)) report(description.displacements[i].shader, "displacement");
   }
   if (scene.lights.size() == 0) {
     found.warning(description.integrator.origin.location, "the scene has no light",

@@ -149,6 +149,19 @@ class EffectList {
         "surfaces", opaque, "no shape stops or scatters light",
         [](const WorkerStatistics& s) { return pointsOf(s, shading::Variant::surface); },
         [](const WorkerStatistics& s) { return shaderShare(s, [](std::size_t v) { return !isVolume(v); }); });
+    Names displaced;
+    std::uint64_t displacedTriangles = 0;
+    for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
+      const scene::Shape& shape = description_.shapes[i];
+      if (!shape.displacement) continue;
+      const std::size_t triangles = scene_.geometry->mesh(static_cast<accel::ObjectId>(i))->triangles.size();
+      displacedTriangles += triangles;
+      displaced.add(fmt::format("{}, {}", description_.displacements[*shape.displacement].shader.name,
+                                formatCount(triangles, "triangle")),
+                    shape.origin.location);
+    }
+    add("displacement", displaced, "no shape has a displacement shader",
+        [displacedTriangles](const WorkerStatistics&) { return displacedTriangles; });
     add("medium-boundaries", boundaries, "no surface is there for media alone", countOf(Work::mediumBoundary));
     Names bodies;
     for (std::size_t i = 0; i < scene_.objects.size() && scene_.hasSubsurface; ++i) {

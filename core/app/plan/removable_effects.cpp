@@ -45,6 +45,10 @@ const std::vector<RemovableEffect>& removableEffects() {
          for (scene::Shape& shape : d.shapes) shape.interior = shape.exterior = {};
          d.sensor.medium = {};
        }},
+      {"displacement", "surfaces keep the form that they are modelled in",
+       [](SceneDescription& d) {
+         for (scene::Shape& shape : d.shapes) shape.displacement.reset();
+       }},
       {"area-lights", "shapes do not emit light",
        [](SceneDescription& d) {
          for (scene::Shape& shape : d.shapes) shape.emitter.reset();

@@ -128,13 +128,13 @@ void placeInteriors(Preparation& state) {
     if (!interior) continue;
     const scene::Shape& shape = state.description.shapes[i];
     std::optional<Box<Object>>& domain = state.placements[interior->index].place.domain;
-    if (shape.type == scene::ShapeType::cube) domain = unitCube;
-    if (shape.type == scene::ShapeType::sphere) {
+    if (shape.type == scene::ShapeType::cube && !shape.displacement) domain = unitCube;
+    if (shape.type == scene::ShapeType::sphere && !shape.displacement) {
       const Vector<Object> radius(shape.radius, shape.radius, shape.radius);
       const Point<Object> center(shape.center.x, shape.center.y, shape.center.z);
       domain = Box<Object>{center - radius, center + radius};
     }
-    if (!shape.isFromFile()) continue;
+    if (!shape.isFromFile() && !shape.displacement) continue;
     Box<Object> box;
     const bool moves = state.motionOf(shape.toWorld) != nullptr;
     const Transform<Object, World> toObject =

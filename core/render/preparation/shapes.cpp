@@ -1,5 +1,7 @@
 #include "core/render/preparation/shapes.h"
 
+#include "core/accel/curved_mesh.h"
+#include "core/render/preparation/displacement.h"
 #include "core/render/preparation/materials.h"
 #include "core/render/preparation/velocities.h"
 
@@ -47,9 +49,41 @@ Result<accel::TriangleMesh> meshOf(Preparation& state, const scene::Shape& shape
   return mesh;
 }
 
-Result<accel::ObjectId> addMovingShape(Preparation& state, const scene::Shape& shape,
+/// The mesh of any shape in its own space, or that of its canonical form.
+Result<UndisplacedMesh> undisplacedMesh(Preparation& state, const scene::Shape& shape) {
+  using scene::ShapeType;
+  const auto curved = [&](accel::CurvedMesh mesh, const Transform<World, Object>& place) {
+    mesh.mesh.flipNormals = shape.flipNormals;
+    return UndisplacedMesh{std::move(mesh.mesh), std::move(mesh.bend), place};
+  };
+  const Transform<World, Object> toWorld = state.atOpening(shape.toWorld);
+  if (shape.type == ShapeType::sphere)
+    return curved(accel::makeSphereMesh(), ballPlacement(toWorld, shape.center, shape.radius));
+  if (shape.type == ShapeType::disk) return curved(accel::makeDiskMesh(), toWorld);
+  if (shape.type == ShapeType::cylinder) return curved(accel::makeCylinderMesh(), cylinderToWorld(shape, toWorld));
+  auto mesh = meshOf(state, shape, {});
+  if (!mesh) return mesh.errors();
+  return UndisplacedMesh{std::move(*mesh), {}, toWorld};
+}
+
+Result<accel::ObjectId> addDisplacedShape(Preparation& state, std::size_t index,
+                                          const std::shared_ptr<const Motion>& motion, bool passThrough) {
+  const scene::Shape& shape = state.description.shapes[index];
+  auto base = undisplacedMesh(state, shape);
+  if (!base) return base.errors();
+  auto mesh = displaceMesh(state, index, std::move(*base));
+  if (!mesh) return mesh.errors();
+  if (!motion) return state.builder.addMesh(std::move(*mesh), passThrough);
+  const Transform<World, Object> place = state.atOpening(shape.toWorld);
+  accel::transformMesh(*mesh, {place.inverseMatrix(), place.matrix()});
+  return state.builder.addMesh(std::move(*mesh), MovingPlace(motion), passThrough);
+}
+
+Result<accel::ObjectId> addMovingShape(Preparation& state, std::size_t index,
                                        const std::shared_ptr<const Motion>& motion, bool passThrough) {
   using scene::ShapeType;
+  const scene::Shape& shape = state.description.shapes[index];
+  if (shape.displacement) return addDisplacedShape(state, index, motion, passThrough);
   if (shape.type == ShapeType::sphere) {
     const MovingPlace place(motion, asObject(ballPlacement(Transform<World, Object>(), shape.center, shape.radius)));
     return state.builder.addSphere(place, passThrough, shape.flipNormals);
@@ -64,9 +98,11 @@ Result<accel::ObjectId> addMovingShape(Preparation& state, const scene::Shape& s
   return state.builder.addMesh(std::move(*mesh), MovingPlace(motion), passThrough);
 }
 
-Result<accel::ObjectId> addShape(Preparation& state, const scene::Shape& shape, bool passThrough) {
+Result<accel::ObjectId> addShape(Preparation& state, std::size_t index, bool passThrough) {
   using scene::ShapeType;
-  if (const auto motion = state.motionOf(shape.toWorld)) return addMovingShape(state, shape, motion, passThrough);
+  const scene::Shape& shape = state.description.shapes[index];
+  if (const auto motion = state.motionOf(shape.toWorld)) return addMovingShape(state, index, motion, passThrough);
+  if (shape.displacement) return addDisplacedShape(state, index, nullptr, passThrough);
   const Transform<World, Object> toWorld = state.atOpening(shape.toWorld);
   if (shape.type == ShapeType::sphere)
     return state.builder.addSphere(ballPlacement(toWorld, shape.center, shape.radius), passThrough, shape.flipNormals);
@@ -86,7 +122,7 @@ void addShapes(Preparation& state) {
     PreparedObject& object = state.scene->objects[i];
     describeMaterial(state, object);
     object.facesViewer = shape.facesViewer;
-    auto id = addShape(state, shape, object.isBoundary);
+    auto id = addShape(state, i, object.isBoundary);
     if (!id) state.appendAt(shape.origin.location, id.errors());
     if (id && object.passesShadows) state.builder.letShadowsPass(*id);
     state.scene->shadowsPass = state.scene->shadowsPass || object.passesShadows;
@@ -143,7 +179,7 @@ namespace {
 
 std::unique_ptr<const LightSurface> surfaceOf(const scene::Shape& shape, const Transform<World, Object>& toWorld,
                                               const accel::TriangleMesh* mesh) {
-  switch (shape.type) {
+  switch (shape.displacement ? scene::ShapeType::ply : shape.type) {
     case scene::ShapeType::sphere:
       return makeSphereLight(ballPlacement(toWorld, shape.center, shape.radius), shape.flipNormals);
     case scene::ShapeType::disk:

@@ -61,6 +61,7 @@ struct Preparation {
   std::unique_ptr<PreparedScene> scene;
   accel::SceneBuilder builder;
   std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By emitter, then by shape that has one.
+  std::vector<std::optional<shading::InstanceRef>> displacements;  ///< By shape.
   MeshFiles meshFiles;
   LightLinking links;
   std::vector<Placement> placements;  ///< By medium index.

@@ -195,6 +195,8 @@ class Interpreter {
         return "siteParameter" + index + "." + std::to_string(output.subIndex);
       case OutputKind::parameter:
         return program_.parameters[output.index].name;
+      case OutputKind::displaced:
+        return output.index == 0 ? "displaced P" : "displaced N";
     }
     return {};
   }
