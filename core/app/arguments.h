@@ -38,6 +38,13 @@ struct SampleRange {
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
 };
 
+/// A deep image beside the picture.
+struct DeepArguments {
+  std::string file;      ///< Empty: none.
+  int slices = 32;       ///< Through media.
+  double error = 0.002;  ///< By which its curves along depth may differ from what was gathered.
+};
+
 struct RenderArguments {
   std::filesystem::path scene;
   std::vector<std::string> outputs;
@@ -60,8 +67,9 @@ struct RenderArguments {
   double timeLimit = 0;                 ///< Seconds; 0: none.
   bool adaptive = false;                ///< More samples where the error is; their mean is what is asked for.
   std::vector<scene::AovRequest> aovs;  ///< Beside those that the scene asks for.
-  std::vector<std::string> without;     ///< Effects forced off.
-  int threads = 0;                      ///< 0: one a processor.
+  DeepArguments deep;
+  std::vector<std::string> without;  ///< Effects forced off.
+  int threads = 0;                   ///< 0: one a processor.
   int textureMemory_MB = 1024;
   int loopBudget = 1 << 20;  ///< Rounds of one loop that one point may run.
   bool quiet = false;
@@ -81,6 +89,7 @@ struct MergeArguments {
   std::optional<Crop> crop;   ///< All that is wanted of the film.
   bool mixed = false;         ///< Parts of other instruction sets or versions are joined too.
   bool allowMissing = false;  ///< Writes what there is, with its sums.
+  DeepArguments deep;
   image::DisplayOptions display;
   bool quiet = false;
 };

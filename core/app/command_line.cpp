@@ -138,6 +138,7 @@ void addRender(CLI::App& program, RenderArguments& render) {
          "or light path expressions: --aov \"first=C<RD>L\"; repeatable")
       ->allow_extra_args(false)
       ->option_text("NAME[=EXPRESSION],...");
+  addDeepOptions(app, render.deep, true);
   addDisplayOptions(app, render.display);
   app.add_option("--tev", render.tev,
                  "Show the image while it is rendered in tev, a viewer that runs\nthere [port 14158]")

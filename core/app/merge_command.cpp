@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/app/deep_picture.h"
 #include "core/app/film_file.h"
 #include "core/app/missing_samples.h"
 #include "core/app/output_files.h"
@@ -29,7 +30,15 @@ class Merge {
       return ExitCode::usage;
     }
     if (!accept(checkOutputNames(arguments_.outputs)) || !checkNames()) return ExitCode::usage;
-    if (!accept(checkOutputPlaces(arguments_.outputs))) return ExitCode::badInput;
+    std::vector<std::string> files = arguments_.outputs;
+    if (!arguments_.deep.file.empty()) {
+      if (auto mistake = image::checkDeepFileName(arguments_.deep.file)) {
+        console_.report(*mistake);
+        return ExitCode::usage;
+      }
+      files.push_back(arguments_.deep.file);
+    }
+    if (!accept(checkOutputPlaces(files))) return ExitCode::badInput;
     for (const std::string& name : arguments_.parts) {
       if (!join(name)) return ExitCode::badInput;
     }
@@ -91,6 +100,10 @@ class Merge {
       job_.film.cropOffsetY = crop.y;
       job_.film.cropWidth = crop.width;
       job_.film.cropHeight = crop.height;
+    }
+    if (!arguments_.deep.file.empty() && !file.film->layout().deep.isWanted()) {
+      return fail(file.name, "this part has gathered nothing for a deep image",
+                  {"aerosol render --deep FILE.exr --samples ... makes parts that have"});
     }
     film_ = std::make_unique<Film>(cropOf(job_.film), file.film->layout());
     original_ = file.job;
@@ -157,7 +170,12 @@ class Merge {
     picture.layers = makeLayers(*film_);
     if (isIncomplete_) picture.attachment = render::encodeFilm(*film_);
     if (!accept(writeOutputs(arguments_.outputs, picture, job_.film, arguments_.display))) return false;
+    std::string deepNote;
+    if (!arguments_.deep.file.empty() &&
+        !accept(writeDeepPicture(arguments_.deep, *film_, job_.film, picture.metadata, deepNote)))
+      return false;
     if (arguments_.quiet) return true;
+    console_.note(deepNote);
     for (const std::string& name : arguments_.outputs) {
       console_.note(fmt::format("wrote {}: {} x {} pixels, {} samples a pixel, from {}\n", name, picture.width,
                                 picture.height, formatMean(counts.mean), formatCount(arguments_.parts.size(), "part")));

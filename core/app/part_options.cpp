@@ -56,6 +56,7 @@ void addMerge(CLI::App& program, MergeArguments& merge) {
   app.add_flag("--mixed", merge.mixed,
                "Join parts of different instruction sets or versions too: the\n"
                "image is right, but not the same bit by bit");
+  addDeepOptions(app, merge.deep, false);
   addDisplayOptions(app, merge.display);
   app.add_flag("--quiet,-q", merge.quiet, "Say nothing but warnings and errors");
 }

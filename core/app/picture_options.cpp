@@ -25,6 +25,27 @@ void addDisplayOptions(CLI::App& app, image::DisplayOptions& display) {
   addParsed(app, "--exposure", "STOPS", exposure, "Make .png and .jpg brighter: 1 doubles the light [0]");
 }
 
+void addDeepOptions(CLI::App& app, DeepArguments& deep, bool gathers) {
+  app.add_option("--deep", deep.file,
+                 gathers ? "Write a deep image too: surfaces and media by depth, for\ncompositing; over each other "
+                           "they are the picture"
+                         : "Write the deep image too; the parts have to be renders with\n--deep")
+      ->option_text("FILE.exr");
+  const auto error = [&deep](const std::string& option, const std::string& text) {
+    scene::TextError why;
+    const auto number = scene::parseFloat(text, why);
+    if (!number || !(*number >= 0)) refuse(option, fmt::format("'{}' is not a number of at least 0", text));
+    deep.error = static_cast<double>(*number);
+  };
+  addParsed(app, "--deep-error", "E", error,
+            "By which transmittance and light of a deep image may differ\nalong depth from what was gathered: fewer "
+            "samples [0.002]");
+  if (!gathers) return;
+  addInteger(app, "--deep-slices", deep.slices, 1,
+             "Slices of a deep image through media [32]; a pixel takes some\n60 bytes for each while it is rendered",
+             4096);
+}
+
 void addDenoise(CLI::App& program, DenoiseArguments& denoise) {
   CLI::App& app = *program.add_subcommand("denoise", "Take the noise out of a render, by what is known of its pixels");
   app.footer(R"(Example:

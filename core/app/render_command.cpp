@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/app/cost_report.h"
+#include "core/app/deep_picture.h"
 #include "core/app/file_watch.h"
 #include "core/app/film_file.h"
 #include "core/app/frames.h"
@@ -58,7 +59,7 @@ class Render {
   ExitCode makeReady() {
     outputs_ = outputNames(arguments_.outputs, arguments_.scene);
     if (!accept(checkOutputNames(outputs_)) || !accept(checkCombination())) return ExitCode::usage;
-    if (!accept(checkOutputPlaces(outputs_)) || !prepare() || !chooseSamples()) return ExitCode::badInput;
+    if (!accept(checkOutputPlaces(filesToWrite())) || !prepare() || !chooseSamples()) return ExitCode::badInput;
     isDone_ = arguments_.resume && isThere();
     if (isDone_) return ExitCode::success;
     if (!connectViewer()) return ExitCode::badInput;
@@ -162,6 +163,12 @@ class Render {
     return map_ ? map_->total(end) - map_->total(first) : std::uint64_t{end - first} * film_->area().pixelCount();
   }
 
+  std::vector<std::string> filesToWrite() const {
+    std::vector<std::string> files = outputs_;
+    if (!arguments_.deep.file.empty()) files.push_back(arguments_.deep.file);
+    return files;
+  }
+
   bool keepsSums() const { return arguments_.keepSums || arguments_.samples; }
 
   /// Options that exclude each other, and what needs an EXR file.
@@ -178,6 +185,11 @@ class Render {
     }
     if (!arguments_.aovs.empty() && std::none_of(outputs_.begin(), outputs_.end(), isExr)) {
       errors.error({outputs_.front(), 0, 0}, "--aov needs an EXR file to write");
+    }
+    if (!arguments_.deep.file.empty()) {
+      if (auto mistake = image::checkDeepFileName(arguments_.deep.file)) errors.add(std::move(*mistake));
+      if (std::find(outputs_.begin(), outputs_.end(), arguments_.deep.file) != outputs_.end())
+        errors.error({arguments_.deep.file, 0, 0}, "the deep image needs a file of its own");
     }
     if (keepsSums() && std::none_of(outputs_.begin(), outputs_.end(), isExr)) {
       errors.error({outputs_.front(), 0, 0},
@@ -223,6 +235,8 @@ class Render {
     for (const std::string& name : outputs_) {
       if (!isDone(name, job_, range_, area)) return false;
     }
+    std::error_code missing;
+    if (!arguments_.deep.file.empty() && !std::filesystem::exists(arguments_.deep.file, missing)) return false;
     if (!arguments_.quiet) console_.note(fmt::format("{} is done already\n", fmt::join(outputs_, ", ")));
     return true;
   }
@@ -363,6 +377,7 @@ class Render {
     const bool pointsAreSaved = accept(session_.scene().services->finish());
     if (!accept(writeOutputs(outputs_, picture, session_.description().film, arguments_.display)) || !pointsAreSaved)
       return false;
+    if (!writeDeep(picture.metadata)) return false;
     if (!report_.interrupted) removeCheckpoint();
     if (!arguments_.quiet) {
       for (const std::string& name : outputs_) {
@@ -370,6 +385,14 @@ class Render {
                                   picture.height, formatMean(counts.mean), formatDuration(report_.seconds)));
       }
     }
+    return true;
+  }
+
+  bool writeDeep(const std::vector<image::Metadata>& metadata) {
+    if (arguments_.deep.file.empty()) return true;
+    std::string note;
+    if (!accept(writeDeepPicture(arguments_.deep, *film_, session_.description().film, metadata, note))) return false;
+    if (!arguments_.quiet) console_.note(note);
     return true;
   }
 
@@ -424,7 +447,9 @@ class Render {
 
 /// One after the other; what ends one badly ends all.
 ExitCode renderFrames(const RenderArguments& arguments, const Console& console, InterruptWatch& watch) {
-  for (const std::string& name : arguments.outputs) {
+  std::vector<std::string> files = arguments.outputs;
+  if (!arguments.deep.file.empty()) files.push_back(arguments.deep.file);
+  for (const std::string& name : files) {
     if (hasFramePlace(name)) continue;
     console.note(fmt::format("aerosol: error: '{}' has no place for the number of the frame, such as %04d\n", name));
     return ExitCode::usage;
@@ -435,6 +460,7 @@ ExitCode renderFrames(const RenderArguments& arguments, const Console& console, 
     const std::vector<std::string> names =
         arguments.outputs.empty() ? std::vector{arguments.scene.stem().string() + ".%04d.png"} : arguments.outputs;
     for (const std::string& name : names) single.outputs.push_back(nameOfFrame(name, frame));
+    if (!arguments.deep.file.empty()) single.deep.file = nameOfFrame(arguments.deep.file, frame);
     single.defines.try_emplace("frame", std::to_string(frame));
     const ExitCode code = Render(single, console, watch).run();
     if (code != ExitCode::success) return code;

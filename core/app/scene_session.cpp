@@ -133,6 +133,7 @@ render::PrepareOptions SceneSession::prepareOptions() const {
   options.plan = plan_;
   options.loopBudget = static_cast<std::uint32_t>(arguments_.loopBudget);
   options.aovs = arguments_.aovs;
+  options.deepSlices = arguments_.deep.file.empty() ? 0 : arguments_.deep.slices;
   return options;
 }
 

@@ -36,6 +36,7 @@ enum class Work : std::uint8_t {
   look,              ///< Points whose coefficients a volume's controls changed.
   footprint,         ///< Points of which shaders were told how they change from pixel to pixel.
   layers,            ///< Samples of which more than the picture was gathered.
+  deep,              ///< Camera rays walked for a deep image.
   count
 };
 

@@ -29,6 +29,7 @@ struct PrepareOptions {
   std::uint32_t loopBudget = 1u << 20;  ///< Iterations of one loop that one point may run.
   std::optional<SamplingPlan> plan;     ///< Methods of all media, in place of the scene's and the renderer's choice.
   std::vector<scene::AovRequest> aovs;  ///< Beside those of the scene.
+  int deepSlices = 0;                   ///< Of a deep image, through media; 0: none.
   int threads = 0;                      ///< That preparation may use; 0: all of the machine.
 };
 

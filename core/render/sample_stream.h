@@ -58,6 +58,14 @@ class SampleStream {
   /// In [0, 1), from the second stream: for loops of unknown length, such as null collisions.
   float nextHash() { return unitFloat(nextHashBits()); }
 
+  /// A stream of its own for what is drawn beside the path, which changes none of the path's numbers.
+  SampleStream branch(std::uint64_t number) const {
+    SampleStream other = *this;
+    other.key_ = combineHashes(key_, number);
+    other.slot_ = other.hashes_ = 0;
+    return other;
+  }
+
   /// Goes on with the given slot, so that an event (a bounce, say) has its numbers whatever was drawn before. Going
   /// back repeats numbers.
   void skipTo(std::uint32_t slot) { slot_ = slot; }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/random.h"
+#include "core/render/aov/deep_walk.h"
 #include "core/render/aov/first_hit.h"
 
 namespace aerosol::render {
@@ -21,6 +22,11 @@ volume::Task<Radiance> traceRecorded(PathContext& path, const Integrator& integr
                                      Ray<World> ray) {
   path.record->begin();
   co_await recordFirstHit(path, camera, ray);
+  if (DeepRecord* const deep = path.record->deep()) {
+    const Vector<World> view = path.scene().camera->toWorld(camera.time)(Vector<aerosol::Camera>(0, 0, 1));
+    deep->begin(dot(normalize(view), ray.direction));
+    co_await recordDeep(path, ray);
+  }
   co_return co_await integrator.trace(path, ray);
 }
 

@@ -91,7 +91,10 @@ Task<Color> lightAlongRay(PathContext& path, const PathState& state, const Light
   const MediumVertex vertex(path.scene(), *found.medium, state.ray, place, found.anisotropy, state.boundaryMedium,
                             path.media);
   const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time);
-  if (path.record) path.record->addSampled(found.weight * light, inMedium);
+  if (path.record) {
+    path.record->addSampled(found.weight * light, inMedium);
+    path.record->addInFront(seenDistance(state, vertex.position()), state.throughput * found.weight * light);
+  }
   path.setRay(state.ray);
   path.setRayTypes(state.rayTypes);
   co_return found.weight* light;
@@ -349,7 +352,10 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       // Lights are sampled up to the first surface, whatever it is.
       const float weight = passed ? 1.0f : metEmissionWeight(scene, state.ray.direction, state.direction);
       radiance.color += state.throughput * event.emission * weight;
-      if (path.record) path.record->addFromMedia(event.emission * weight);
+      if (path.record) {
+        path.record->addFromMedia(event.emission * weight);
+        path.record->addInFront(state.throughput * event.emission * weight);
+      }
     }
     if (lit) radiance.color += state.throughput * co_await lightAlongRay(path, state, lights, *lit, given.sample);
     state.throughput *= event.weight;

@@ -94,3 +94,21 @@ sed 's/<\/medium>/<string name="distance" value="null"\/><\/medium>/' loose.xml 
 expect 0 check forced.xml
 said err "will take"
 rm ranged.osl ranged.xml loose.osl loose.xml forced.xml a.exr
+
+echo "-- deep images: joined parts are the whole, a larger error makes a smaller file"
+expect 0 render "$input/fog.xml" -o whole.exr --deep deep.exr --spp 4 --quiet
+expect 0 render "$input/fog.xml" -o a.exr --deep deep_a.exr --spp 4 --samples 0:2 --quiet
+expect 0 render "$input/fog.xml" -o b.exr --deep deep_b.exr --spp 4 --samples 2:4 --quiet
+expect 0 merge b.exr a.exr -o joined.exr --deep deep_joined.exr
+said err "samples a pixel along depth"
+grep -qaF "ZBack" deep_joined.exr || fail "no depths in the deep image"
+expect 0 render "$input/fog.xml" -o whole.exr --deep coarse.exr --deep-error 0.5 --spp 4 --quiet
+[ "$(stat -c %s coarse.exr)" -lt "$(stat -c %s deep.exr)" ] || fail "a larger error makes no smaller file"
+expect 0 render "$input/fog.xml" -o a.exr --keep-sums --quiet
+expect 1 merge a.exr -o joined.exr --deep deep_joined.exr
+said err "has gathered nothing for a deep image"
+expect 2 render "$input/fog.xml" -o a.exr --deep a.png
+said err "deep images are written to .exr files alone"
+expect 2 render "$input/fog.xml" -o a.exr --deep a.exr
+said err "a file of its own"
+rm ./*.exr

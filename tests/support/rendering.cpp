@@ -65,6 +65,7 @@ TestScene::TestScene(const std::string& xml, const SceneOptions& options) {
   prepare.target = *target;
   prepare.laneCounters = options.laneCounters;
   prepare.loopBudget = options.loopBudget;
+  prepare.deepSlices = options.deepSlices;
   auto prepared = render::prepare(*description_, tools.registry, prepare, warnings);
   if (!prepared) {
     ADD_FAILURE() << format(prepared.errors());

@@ -22,6 +22,7 @@ struct SceneOptions {
   bool laneCounters = false;
   std::uint32_t loopBudget = 1u << 24;
   bool mayWarn = false;  ///< Warnings are no failures.
+  int deepSlices = 0;    ///< Of a deep image; 0: none.
 };
 
 /// A scene that is ready. Errors and warnings are test failures with their text.

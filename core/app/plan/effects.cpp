@@ -338,6 +338,10 @@ class EffectList {
   void addLayers() {
     add("layers", scene_.aovs != nullptr,
         scene_.aovs ? scene_.aovs->layout.toText() : "nothing is gathered beside the picture", countOf(Work::layers));
+    const bool isDeep = scene_.aovs && scene_.aovs->layout.deep.isWanted();
+    add("deep-output", isDeep,
+        isDeep ? formatCount(scene_.aovs->layout.deep.slices(), "slice") : "no deep image is asked for",
+        countOf(Work::deep));
   }
 
   const scene::SceneDescription& description_;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "core/image/deep_image.h"
 #include "core/image/image.h"
 #include "core/image/plain_image.h"
 
@@ -19,5 +20,7 @@ std::string writeFile(const std::string& path, const std::string& format, const 
 std::string readFile(const std::string& path, ImageBuffer& image);
 std::string writePlainFile(const std::string& path, const std::string& format, const PlainImage& image,
                            const PlainOptions& options);
+std::string writeDeepFile(const std::string& path, const DeepImage& image);
+std::string readDeepFile(const std::string& path, DeepImage& image);
 
 }  // namespace aerosol::image

@@ -22,7 +22,8 @@ std::vector<std::string> versions() {
 }  // namespace
 
 extern "C" __attribute__((visibility("default"))) const ModuleTable* aerosolImageModule() {
-  static constexpr ModuleTable table{writeFile, readFile, versions, makeTextures, makeColors, writePlainFile};
+  static constexpr ModuleTable table{writeFile,  readFile,       versions,      makeTextures,
+                                     makeColors, writePlainFile, writeDeepFile, readDeepFile};
   return &table;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/color_source.h"
 #include "core/base/texture_source.h"
+#include "core/image/deep_image.h"
 #include "core/image/image.h"
 #include "core/image/plain_image.h"
 
@@ -26,6 +27,8 @@ struct ModuleTable {
   /// Writes to `path` in the format that `format` (an extension) names.
   std::string (*writePlain)(const std::string& path, const std::string& format, const PlainImage& image,
                             const PlainOptions& options);
+  std::string (*writeDeep)(const std::string& path, const DeepImage& image);
+  std::string (*readDeep)(const std::string& path, DeepImage& image);
 };
 
 /// The name and type of the module's only exported function.

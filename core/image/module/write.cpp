@@ -10,6 +10,7 @@
 
 #include "core/image/module/display.h"
 #include "core/image/module/files.h"
+#include "core/image/module/specs.h"
 
 namespace aerosol::image {
 
@@ -24,18 +25,6 @@ std::string textOf(const Metadata& entry) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.17g", std::get<double>(entry.value));
   return digits;
-}
-
-void setMetadata(OIIO::ImageSpec& spec, const std::vector<Metadata>& metadata) {
-  for (const Metadata& entry : metadata) {
-    if (const auto* integer = std::get_if<std::int32_t>(&entry.value)) {
-      spec.attribute(entry.key, *integer);
-    } else if (const auto* number = std::get_if<double>(&entry.value)) {
-      spec.attribute(entry.key, OIIO::TypeDesc(OIIO::TypeDesc::DOUBLE), number);
-    } else {
-      spec.attribute(entry.key, std::get<std::string>(entry.value));
-    }
-  }
 }
 
 /// PNG and JPEG keep text only.
@@ -124,18 +113,7 @@ std::string writeExr(const std::string& path, const ImageBuffer& image, const Wr
            "' is not a compression of EXR; known are: none rle zips zip piz pxr24 b44 b44a dwaa dwab";
   }
   const bool isHalf = options.pixelType == PixelType::float16;
-  OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(image.channels.size()),
-                       isHalf ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
-  spec.channelnames = image.channels;
-  spec.x = image.originX;
-  spec.y = image.originY;
-  if (image.fullWidth > 0 && image.fullHeight > 0) {
-    spec.full_width = image.fullWidth;
-    spec.full_height = image.fullHeight;
-  } else {
-    spec.full_x = image.originX;
-    spec.full_y = image.originY;
-  }
+  OIIO::ImageSpec spec = specOf(image, isHalf ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
   spec.attribute("compression", options.compression);
   const OIIO::ImageSpec plain = spec;
   setMetadata(spec, image.metadata);

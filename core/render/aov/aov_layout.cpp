@@ -44,6 +44,7 @@ std::string AovLayout::toText() const {
     text += layer.name;
     if (layer.quantity != layer.name) text += "=" + layer.quantity;
   }
+  if (deep.isWanted()) text += (text.empty() ? "" : ", ") + ("deep, " + std::to_string(deep.slices()) + " slices");
   return text;
 }
 
@@ -52,7 +53,9 @@ bool AovLayout::isSound() const {
   const bool hasMattes = std::all_of(mattes.begin(), mattes.end(), [&](const AovMatte& matte) {
     return matte.slot < width && matte.weightSlot < width;
   });
-  return width <= most && hasMattes && std::all_of(layers.begin(), layers.end(), [&](const AovLayer& layer) {
+  const bool hasDeep = !deep.isWanted() || (deep.depths.size() <= most && deep.firstSlot + deep.width() <= width);
+  return width <= most && hasMattes && deep.isSound() && hasDeep &&
+         std::all_of(layers.begin(), layers.end(), [&](const AovLayer& layer) {
            return !layer.channels.empty() && layer.channels.size() <= most && layer.first <= most &&
                   layer.second <= most && render::isSound(*this, layer);
          });

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/render/aov/cryptomatte.h"
+#include "core/render/aov/deep_layout.h"
 
 namespace aerosol::render {
 
@@ -48,11 +49,12 @@ struct AovMatte {
 struct AovLayout {
   std::vector<AovLayer> layers;
   std::vector<AovMatte> mattes;
+  AovDeep deep;
   std::uint32_t width = 0;  ///< Values of each sample.
 
   /// "direct, first=C<RD>L".
   std::string toText() const;
-  bool isEmpty() const { return layers.empty(); }
+  bool isEmpty() const { return layers.empty() && !deep.isWanted(); }
   /// Null when there is none of that name.
   const AovLayer* find(const std::string& name) const;
   /// Whether every layer finds its values.
@@ -73,7 +75,7 @@ void describe(A& archive, AovMatte& matte) {
 
 template <class A>
 void describe(A& archive, AovLayout& layout) {
-  archive(layout.layers, layout.mattes, layout.width);
+  archive(layout.layers, layout.mattes, layout.deep, layout.width);
 }
 
 }  // namespace aerosol::render

@@ -76,6 +76,7 @@ void PathRecord::see(const Seen& seen) {
   hasSeen_ = true;
   const float weight = average(seen.weight);
   seenWeight_ = weight;
+  seenDistance_ = seen.distance;
   sawMedium_ = seen.isMedium;
   seenIndex_ = seen.index;
   const Color albedo = seen.weight * seen.albedo;
@@ -112,6 +113,7 @@ std::span<const float> PathRecord::finish(const Sample& sample) {
   if (sample.filterWeight != 1) {
     for (float& value : values_) value *= sample.filterWeight;
   }
+  if (deep_) deep_->finish(sample.color, hasSeen_ ? seenDistance_ : -1, sample.filterWeight, values_);
   // What is no light goes into the picture's filter unweighted.
   for (const AovPlan::FeatureSlot& slot : plan_.picture) {
     if (slot.feature == AovFeature::cost) values_[slot.slot] = sample.cost;

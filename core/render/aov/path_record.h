@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/base/color.h"
 #include "core/base/geometry.h"
 #include "core/render/aov/aov_plan.h"
+#include "core/render/aov/deep_record.h"
 
 namespace aerosol::render {
 
@@ -22,7 +24,9 @@ struct ScatterShare {
 /// choice of a kind adds noise, and what expressions that exclude each other gather adds up to the picture.
 class PathRecord {
  public:
-  explicit PathRecord(const AovPlan& plan) : plan_(plan), values_(plan.layout.width) {}
+  explicit PathRecord(const AovPlan& plan) : plan_(plan), values_(plan.layout.width) {
+    if (plan.layout.deep.isWanted()) deep_.emplace(plan.layout.deep);
+  }
 
   /// A path leaves the camera.
   void begin();
@@ -45,6 +49,16 @@ class PathRecord {
     lit_ = {plan_.lightSymbols[index], direction, wentStraight};
   }
   Vector<World> litDirection() const { return lit_.direction; }
+
+  /// Null where there is no deep image.
+  DeepRecord* deep() { return deep_ ? &*deep_ : nullptr; }
+  /// What is added to the picture from media before the path has a vertex: from a place, or from all along the ray.
+  void addInFront(float distance, Color light) {
+    if (deep_ && !hasSeen_) deep_->addLight(distance, light);
+  }
+  void addInFront(Color emission) {
+    if (deep_ && !hasSeen_) deep_->addEmission(emission);
+  }
 
   /// What the path sees first; later vertices change nothing. The weight is the path's throughput up to there.
   struct Seen {
@@ -94,7 +108,8 @@ class PathRecord {
   bool wentStraight_ = false;  ///< The last event was a straight one.
   bool hasSeen_ = false, sawMedium_ = false;
   std::uint32_t seenIndex_ = 0;
-  float seenWeight_ = 0;
+  float seenWeight_ = 0, seenDistance_ = 0;
+  std::optional<DeepRecord> deep_;
 };
 
 }  // namespace aerosol::render

@@ -1,5 +1,7 @@
 #include "core/render/preparation/aovs.h"
 
+#include "core/render/preparation/deep.h"
+
 namespace aerosol::render {
 
 namespace {
@@ -70,11 +72,23 @@ AovScene describeSources(const Preparation& state) {
 void decideAovs(Preparation& state) {
   std::vector<scene::AovRequest> requests = state.description.integrator.aovs;
   requests.insert(requests.end(), state.options.aovs.begin(), state.options.aovs.end());
-  if (requests.empty()) return;
+  const int slices = state.options.deepSlices;
+  if (requests.empty() && slices == 0) return;
   auto plan = planAovs(requests, describeSources(state));
   if (!plan) {
     state.errors.append(plan.errors());
     return;
+  }
+  if (slices > 0 && state.description.integrator.type != "path") {
+    state.errors.error(state.description.integrator.origin.location,
+                       "the integrator 'depth' follows no light, which a deep image is about");
+    return;
+  }
+  if (slices > 0) {
+    AovLayout& layout = (*plan)->layout;
+    layout.deep = deepLayout(state, slices);
+    layout.deep.firstSlot = layout.width;
+    layout.width += layout.deep.width();
   }
   if ((*plan)->wants(AovFeature::motion)) {
     for (const scene::Shape& shape : state.description.shapes) {
