@@ -26,7 +26,7 @@ file(GLOB tableSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/tables
 foreach(source ${tableSources})
   get_filename_component(name "${source}" NAME_WE)
   add_executable(${name} EXCLUDE_FROM_ALL "${source}")
-  target_link_libraries(${name} PRIVATE test_support fmt::fmt)
+  target_link_libraries(${name} PRIVATE test_support aerosol_embree fmt::fmt ${CMAKE_DL_LIBS})
   add_dependencies(${name} aerosol_support)
 endforeach()
 

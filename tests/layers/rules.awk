@@ -167,8 +167,9 @@ function follow(path, seen, queue, head, tail, names, count, i, prefix, first) {
   }
 }
 
-# A layer's unit tests may see what the layer sees.
+# A layer's unit tests may see what the layer sees; rays are compared with the library's own.
 function sameLayer(path, header, layer) {
   layer = layerOf(header)
+  if (layer == "accel" && path == "tests/bench/tables/mesh_rays.cpp") return 1
   return layerOf(path) == layer || startsWith(path, "tests/unit/" layer "/")
 }
