@@ -29,7 +29,7 @@ std::string sceneWith(const ObjectDoc& object, const std::string& parameter) {
   if (object.tag == "rfilter") return inSensor("<film type=\"hdrfilm\">" + element + "</film>");
   if (object.tag == "phase") return "<volume type=\"box\"><medium type=\"fog\">" + element + "</medium></volume>";
   if (object.tag == "medium") return "<volume type=\"box\">" + element + "</volume>";
-  if (object.type == "area") return "<shape type=\"cube\">" + element + "</shape>";
+  if (object.type == "area" || object.tag == "displacement") return "<shape type=\"cube\">" + element + "</shape>";
   return element;
 }
 
