@@ -43,6 +43,14 @@ void expectComposes(const TestScene& scene, const render::Film& film, double err
   }
 }
 
+float brightest(const render::Film& film) {
+  float most = 0;
+  for (int y = 0; y < film.area().y1; ++y) {
+    for (int x = 0; x < film.area().x1; ++x) most = std::max(most, film.estimate(x, y).color.r);
+  }
+  return most;
+}
+
 TEST(Deep, OverEachOtherSamplesAreThePicture) {
   const std::string mist = R"(<volume type="sphere"><medium type="wisps"/></volume>)";
   const std::string fire = R"(<volume type="sphere"><medium type="osl"><source><![CDATA[
@@ -62,7 +70,7 @@ TEST(Deep, OverEachOtherSamplesAreThePicture) {
     const TestScene scene = deepScene(content, 12, {.width = 6, .height = 6});
     ASSERT_TRUE(scene.scene()) << content;
     const auto film = scene.render(24);
-    EXPECT_GT(film->estimate(3, 3).color.r, 0) << content;
+    EXPECT_GT(brightest(*film), 0) << content;
     expectComposes(scene, *film, 0);
     expectComposes(scene, *film, 0.05);
   }

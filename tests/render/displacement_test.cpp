@@ -225,7 +225,7 @@ TEST(Displacement, LightsShineFromTheNewSurface) {
                 {.origin = "0.5, -1.9, 0", .target = "0, -2, 0", .fov = 1, .width = 4, .height = 4}, ground + light);
   ASSERT_TRUE(scene.scene());
   // Irradiance of a sphere seen under the angle asin(1/2) overhead: π sin², reflected: sin².
-  EXPECT_TRUE(shows(scene, *scene.render(512), [](const Ray<World>&) { return Color(0.25f); }, 0.01));
+  EXPECT_TRUE(shows(scene, *scene.render(2048), [](const Ray<World>&) { return Color(0.25f); }, 0.01));
 }
 
 }  // namespace
