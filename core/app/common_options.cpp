@@ -74,8 +74,8 @@ void addMethodOptions(CLI::App& app, RenderArguments& render) {
   addInteger(app, "--seed", render.seed, 0, "Seed of all random numbers, instead of the scene's");
   addChoice(app, "--distance", render.distance,
             "Sample distances in all media so, whatever the scene says: by\n"
-            "ray marching, by null scattering or by closed forms alone; delta,\nunder one bound for a whole medium, is "
-            "there to compare with");
+            "ray marching, by closed forms alone or by null scattering: null,\nrelaxed, decomposition, candidates; "
+            "delta, under one bound for a\nwhole medium, is there to compare with");
   addChoice(app, "--transmittance", render.transmittance, "Estimate the transmittance of all media to lights so");
   app.add_flag("--no-equiangular", render.noEquiangular, "Choose no distances in media for the lights beside the rays");
   app.add_option("--plan", render.plan,

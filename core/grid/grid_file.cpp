@@ -14,7 +14,28 @@ namespace aerosol::grid {
 namespace {
 
 /// Stands in no name of a file that anybody would give.
-constexpr std::string_view continuation = "?continued=";
+constexpr std::string_view continuation = "?continued=", coarser = "?level=";
+
+/// What stands behind the file's own name, part by part.
+VoxelFileName parseName(std::string_view name) {
+  VoxelFileName parsed;
+  parsed.path = fileOfName(name);
+  for (name.remove_prefix(parsed.path.size()); !name.empty();) {
+    const std::string_view part = name.substr(0, name.find('?', 1));
+    const auto number = [&](std::string_view key, int& value) {
+      return std::from_chars(part.data() + key.size(), part.data() + part.size(), value).ptr;
+    };
+    if (part.starts_with(unitCubeSuffix)) parsed.isUnit = true;
+    if (part.starts_with(coarser)) number(coarser, parsed.level);
+    if (part.starts_with(continuation)) {
+      const char* const colon = number(continuation, parsed.continuedVoxels);
+      parsed.continuedGrid.assign(std::min(colon + 1, part.data() + part.size()), part.data() + part.size());
+    }
+    name.remove_prefix(part.size());
+  }
+  parsed.level = std::clamp(parsed.level, 0, 10);
+  return parsed;
+}
 
 Result<const ModuleTable*> openTable() {
   const auto module = openModule("aerosol_grid");
@@ -35,32 +56,27 @@ std::string continuedName(std::string_view path, std::string_view grid, int voxe
   return std::string(path) + std::string(continuation) + std::to_string(voxels) + ":" + std::string(grid);
 }
 
+std::string coarseName(std::string_view path, int level) {
+  return std::string(path) + std::string(coarser) + std::to_string(level);
+}
+
 std::string_view fileOfName(std::string_view name) {
-  return name.substr(0, std::min(name.find(continuation), name.find(unitCubeSuffix)));
+  return name.substr(0, std::min({name.find(continuation), name.find(unitCubeSuffix), name.find(coarser)}));
 }
 
 bool isGridFile(std::string_view name) { return isVoxelFileName(fileOfName(name)); }
 
-Result<std::shared_ptr<const VoxelFile>> readGrids(const std::string& name) {
-  const std::string path(fileOfName(name));
+Result<std::shared_ptr<const VoxelFile>> readGrids(const std::string& fullName) {
+  const VoxelFileName name = parseName(fullName);
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) {
-    return Diagnostic{Severity::error, {path, 0, 0}, "there is no such file", {}, {}};
+  if (!std::filesystem::is_regular_file(name.path, ignored)) {
+    return Diagnostic{Severity::error, {name.path, 0, 0}, "there is no such file", {}, {}};
   }
-  if (isTemporalFile(path)) return readTemporal(path);
+  if (isTemporalFile(name.path)) return readTemporal(name.path);
   if (!moduleTable()) return moduleTable().errors();
   std::string message;
-  std::string grid;
-  int voxels = 0;
-  const bool isUnit = name.find(unitCubeSuffix, path.size()) != std::string::npos;
-  if (path.size() < name.size() && !isUnit) {
-    const std::string rest = name.substr(path.size() + continuation.size());
-    const std::size_t colon = rest.find(':');
-    std::from_chars(rest.data(), rest.data() + colon, voxels);
-    grid = rest.substr(colon + 1);
-  }
-  auto file = (*moduleTable())->read(path, grid, voxels, isUnit, message);
-  if (!file) return Diagnostic{Severity::error, {path, 0, 0}, message, {}, {}};
+  auto file = (*moduleTable())->read(name, message);
+  if (!file) return Diagnostic{Severity::error, {name.path, 0, 0}, message, {}, {}};
   return std::shared_ptr<const VoxelFile>(std::move(file));
 }
 

@@ -33,6 +33,7 @@ enum class Work : std::uint8_t {
   holdout,           ///< Paths that ended in a hole.
   laterScattering,   ///< Scattering events after a path's first.
   roulette,          ///< Games of Russian roulette.
+  coarseVoxels,      ///< Rays that saw volumes with coarser voxels than others do.
   look,              ///< Points whose coefficients a volume's controls changed.
   footprint,         ///< Points of which shaders were told how they change from pixel to pixel.
   layers,            ///< Samples of which more than the picture was gathered.

@@ -73,7 +73,7 @@ Diagnostics LightLinking::read(const CopyMedium& copy) {
       continue;
     }
     const std::uint32_t set = setOf(std::move(*named));
-    for (const volume::Medium* medium : {scene_.volumes[i], scene_.cameraVolumes[i], scene_.shadowVolumes[i]}) {
+    for (const volume::Medium* medium : scene_.mediaOf(i)) {
       scene_.media[medium->index].lightLinks = set;
     }
   }

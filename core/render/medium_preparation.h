@@ -20,6 +20,9 @@ SurfaceAnswer askSurface(const PreparedScene& scene, shading::InstanceRef shader
 /// The same at many points, in their order.
 void askSurfaces(const PreparedScene& scene, shading::InstanceRef shader, std::span<const shading::ShadingPoint> points,
                  const std::function<void(const SurfaceAnswer&)>& take);
+/// The extinction of a medium at many points, in their order; what is not sound is 0.
+void askExtinction(const PreparedScene& scene, const volume::Medium& medium, std::span<const Point<World>> points,
+                   const std::function<void(Color)>& take);
 /// Weights of a surface shader's closures, when they do not vary.
 std::optional<SurfaceAnswer> constantClosures(const PreparedScene& scene, shading::InstanceRef shader);
 

@@ -7,6 +7,7 @@
 #include "core/render/prepared_scene.h"
 #include "core/render/surface_closures.h"
 #include "core/volume/trackers/analytic.h"
+#include "core/volume/trackers/candidate_list.h"
 #include "core/volume/trackers/homogeneous.h"
 #include "core/volume/trackers/null_scattering.h"
 #include "core/volume/trackers/ray_marching.h"
@@ -29,10 +30,11 @@ void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1
   boundary.clear();
   if (links) boundaryMedium = links->seen(boundaryMedium);
   if (boundaryMedium && t0 < t1) boundary.push_back({t0, t1, boundaryMedium});
+  if (path.scene().seesCoarse(path.length())) path.statistics().work.add(Work::coarseVoxels);
   path.mediumSpans.clipped().clear();
   if (path.scene().nestsMedia && media.clipsVolumes()) path.mediumSpans.clipped().push_back({t0, t1, nullptr});
-  path.mediumSpans.begin(path.scene(), path.scene().volumesFor(path.rayTypes(), links), ray, t0, t1, path.spans,
-                         path.statistics().accel);
+  path.mediumSpans.begin(path.scene(), path.scene().volumesFor(path.rayTypes(), links, path.length()), ray, t0, t1,
+                         path.spans, path.statistics().accel);
   path.segments.begin(path.mediumSpans);
 }
 
@@ -63,6 +65,11 @@ void countWork(WorkCounts& work, const Segment& segment, DistanceMethod method) 
   if (!first.constant) return;
   const Color sigma = first.constant->sigmaT;
   if (sigma.r != sigma.g || sigma.g != sigma.b) work.add(Work::chromatic);
+}
+
+bool listsCandidates(const Segment& segment) {
+  return std::ranges::any_of(segment.media,
+                             [](const Medium* medium) { return medium->collisions == volume::Collisions::listed; });
 }
 
 float stepSizeOf(const Segment& segment) {
@@ -164,7 +171,9 @@ Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color thr
                                                  path.marchingTable, given, tracks);
         break;
       case DistanceMethod::nullScattering:
-        part = co_await volume::sampleByNullScattering(path, ray, segment, throughput, random, given, tracks);
+        part = co_await (listsCandidates(segment)
+                             ? volume::sampleFromCandidates(path, ray, segment, throughput, random, given, tracks)
+                             : volume::sampleByNullScattering(path, ray, segment, throughput, random, given, tracks));
         break;
     }
     if (!tracks) continue;
@@ -256,8 +265,8 @@ Color collectSpans(PathContext& path, const Ray<World>& ray, const Medium* bound
     begin = t;
   }
   add(end);
-  path.mediumSpans.begin(path.scene(), path.scene().shadowVolumes, ray, static_cast<double>(ray.tMin), end, path.spans,
-                         path.statistics().accel);
+  path.mediumSpans.begin(path.scene(), path.scene().shadowVolumesFor(path.length() + 1), ray,
+                         static_cast<double>(ray.tMin), end, path.spans, path.statistics().accel);
   return through;
 }
 

@@ -27,6 +27,7 @@ std::vector<std::string> optionalEffectsOf(const PreparedScene& scene) {
       {"subsurface", scene.hasSubsurface.isCalledFor()},
       {"straight-shadows", scene.shadowsPass.isCalledFor()},
       {"volume-looks", hasLooks},
+      {"level-of-detail", scene.hasCoarseVolumes.isCalledFor()},
       {"light-links", !scene.linkedLights.empty()},
       {"light-textures", std::ranges::any_of(scene.lightTextures, isGiven)},
       {"light-hierarchy", !scene.lights.tree().isEmpty()},

@@ -81,6 +81,7 @@ class PathContext {
     answered_ = true;
     waiting_ = nullptr;
     rayTypes_ = shading::ray::camera;
+    length_ = 1;
   }
 
   /// The path's ray, on which the following questions lie: shaders see its direction as I, and its time.
@@ -107,6 +108,9 @@ class PathContext {
   /// What kind of ray it is (shading::ray).
   void setRayTypes(std::uint32_t types) { rayTypes_ = types; }
   std::uint32_t rayTypes() const { return rayTypes_; }
+  /// Segments of the path so far, that of the ray included.
+  void setLength(int length) { length_ = length; }
+  int length() const { return length_; }
   Vector<World> direction() const { return direction_; }
   float time() const { return time_; }
 
@@ -165,6 +169,12 @@ class PathContext {
     questions_.assign(1, question);
     answers_.resize(1);
   }
+  /// The same for the extinction at several points.
+  void prepareAnswers(const volume::Medium& medium, std::span<const Point<World>> points) {
+    questions_.clear();
+    for (const Point<World>& p : points) questions_.push_back({&medium, volume::Quantity::extinction, p, {}, nullptr});
+    answers_.assign(points.size(), {});
+  }
   std::span<const Question> questions() const { return questions_; }
   volume::Coefficients& answer(std::size_t question) { return answers_[question]; }
   SurfaceAnswer& surfaceAnswer() { return surfaceAnswer_; }
@@ -207,6 +217,7 @@ class PathContext {
   bool keepsFootprints_ = false;
   float time_ = 0;
   std::uint32_t rayTypes_ = shading::ray::camera;
+  int length_ = 1;
   Vector<World> direction_;
   SampleStream random_;
   PathId id_;

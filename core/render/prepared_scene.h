@@ -109,6 +109,9 @@ struct PreparedScene {
   std::vector<const volume::Medium*> volumes;                          ///< By accel::VolumeId.
   std::vector<const volume::Medium*> cameraVolumes;                    ///< The same as rays from the camera see them,
   std::vector<const volume::Medium*> shadowVolumes;                    ///< and as shadow rays do.
+  EffectSwitch hasCoarseVolumes;  ///< Paths with more segments than `coarseAfter` see volumes with coarser voxels.
+  int coarseAfter = 0;
+  std::vector<const volume::Medium*> coarseVolumes, coarseShadowVolumes;  ///< By accel::VolumeId, where there are any.
   std::vector<std::optional<VolumeLook>> looks;             ///< By medium index; empty when no volume has one.
   std::vector<std::unique_ptr<LinkedLights>> linkedLights;  ///< Of media that not all lights light.
   /// What shaders may ask of the meshes that they are on: by family, then instance; null where a mesh has no
@@ -176,11 +179,25 @@ struct PreparedScene {
   }
   /// Whether the light is multiplied by a texture.
   bool isTextured(std::uint32_t light) const { return hasOptionalEffects && lightTextures[light]; }
-  /// The media of volumes for a ray of this type (shading::ray) from where `links` hold, by accel::VolumeId.
-  std::span<const volume::Medium* const> volumesFor(std::uint32_t rayTypes, const LinkedLights* links) const {
+  /// The media of volumes for a ray of this type (shading::ray) from where `links` hold, by accel::VolumeId. The ray is
+  /// the path's segment number `length`.
+  std::span<const volume::Medium* const> volumesFor(std::uint32_t rayTypes, const LinkedLights* links,
+                                                    int length) const {
     if (hasOptionalEffects && links) return links->volumes;
+    if (seesCoarse(length)) return coarseVolumes;
     return rayTypes == shading::ray::camera ? cameraVolumes : volumes;
   }
+  /// The same for the shadow ray that is segment number `length`.
+  std::span<const volume::Medium* const> shadowVolumesFor(int length) const {
+    return seesCoarse(length) ? coarseShadowVolumes : shadowVolumes;
+  }
+  /// All that a volume primitive holds for one ray or another. (One medium may be several of them.)
+  std::vector<const volume::Medium*> mediaOf(std::size_t volume) const {
+    std::vector<const volume::Medium*> all{volumes[volume], cameraVolumes[volume], shadowVolumes[volume]};
+    if (volume < coarseVolumes.size()) all.insert(all.end(), {coarseVolumes[volume], coarseShadowVolumes[volume]});
+    return all;
+  }
+  bool seesCoarse(int length) const { return hasCoarseVolumes && length > coarseAfter; }
 };
 
 }  // namespace aerosol::render

@@ -30,6 +30,20 @@ std::optional<E> fromWord(std::string_view word) {
   return static_cast<E>(found - words.begin());
 }
 
+DistanceSampling trackingOf(const volume::Medium& medium) {
+  switch (medium.collisions) {
+    case volume::Collisions::weighted:
+      break;
+    case volume::Collisions::analogue:
+      return DistanceSampling::delta;
+    case volume::Collisions::decomposed:
+      return DistanceSampling::decomposition;
+    case volume::Collisions::listed:
+      return DistanceSampling::candidates;
+  }
+  return medium.relaxesBound ? DistanceSampling::relaxed : DistanceSampling::nullScattering;
+}
+
 /// Closed forms of constants are found again by themselves.
 DistanceSampling distanceOf(const volume::Medium& medium) {
   switch (medium.method) {
@@ -40,9 +54,7 @@ DistanceSampling distanceOf(const volume::Medium& medium) {
     case DistanceMethod::marching:
       return DistanceSampling::marching;
     case DistanceMethod::nullScattering:
-      return medium.isAnalogue     ? DistanceSampling::delta
-             : medium.relaxesBound ? DistanceSampling::relaxed
-                                   : DistanceSampling::nullScattering;
+      return trackingOf(medium);
   }
   return DistanceSampling::automatic;
 }

@@ -86,7 +86,9 @@ enum class DistanceSampling : std::uint8_t {
   nullScattering,  ///< Delta tracking against a bound.
   relaxed,         ///< The same against max(bound, 1 / step size): more steps, less noise in thin media.
   analytic,        ///< Closed forms; an error where there is none.
-  delta            ///< Analogue delta tracking under one bound for the whole medium: the yardstick.
+  delta,           ///< Analogue delta tracking under one bound for the whole medium: the yardstick.
+  decomposition,   ///< Null scattering with the least extinction of a leaf as control.
+  candidates       ///< Null scattering all the way, one of the tentative collisions chosen in the end.
 };
 
 /// How the transmittance of a medium to a light is estimated.
@@ -154,6 +156,9 @@ struct Integrator {
   bool footprints = true;   ///< Shaders are told how their inputs change from pixel to pixel.
   OverlapChoice overlap = OverlapChoice::automatic;
   float stepScale = 1;       ///< Factor on all ray marching steps, > 0.
+  float lodPixels = 0;       ///< Voxels that the camera sees smaller than so many pixels are made coarser; 0: none.
+  int lodDepth = 0;          ///< Paths longer than this see volumes with coarser voxels; 0: none does.
+  int lodLevels = 1;         ///< By so many halvings.
   int boundBoxes = 1 << 16;  ///< Boxes over which bounds of all media together may be evaluated, at least 0.
   int boundMegabytes = 256;  ///< Memory for the bounds of all media together.
   std::string aovList;       ///< As written; of an integrator around another one.

@@ -21,7 +21,8 @@ struct Words;
 
 template <>
 struct Words<DistanceSampling> {
-  static constexpr std::array words = {"auto", "marching", "null", "relaxed", "analytic", "delta"};
+  static constexpr std::array words = {"auto",     "marching", "null",          "relaxed",
+                                       "analytic", "delta",    "decomposition", "candidates"};
 };
 template <>
 struct Words<TransmittanceSampling> {

@@ -251,11 +251,24 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                  {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
              field<&Integrator::stepScale>(
                  {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
-             field<&Integrator::boundBoxes>({.name = "bound_boxes",
-                                             .doc =
-                                                 "boxes over which bounds of the media's shaders are evaluated before "
-                                                 "the render, all media together",
-                                             .range = Range::atLeast(0)}),
+             field<&Integrator::lodPixels>(
+                 {.name = "lod_pixels",
+                  .unit = "pixels",
+                  .doc = "volumes whose voxels the camera sees smaller than this are read from a coarser level of "
+                         "their files; 0: as they are",
+                  .range = Range::atLeast(0)}),
+             field<&Integrator::lodDepth>(
+                 {.name = "lod_depth",
+                  .doc = "paths longer than this see volumes with coarser voxels; 0: none does",
+                  .range = Range::atLeast(0)}),
+             field<&Integrator::lodLevels>({.name = "lod_levels",
+                                            .doc = "how often their resolution is halved then",
+                                            .range = {.minimum = 1, .maximum = 8}}),
+             field<&Integrator::boundBoxes>(
+                 {.name = "bound_boxes",
+                  .doc = "boxes over which bounds of the media's shaders are evaluated before "
+                         "the render, all media together",
+                  .range = Range::atLeast(0)}),
              field<&Integrator::boundMegabytes>({.name = "bound_megabytes",
                                                  .unit = "MB",
                                                  .doc = "memory for these bounds, all media together",

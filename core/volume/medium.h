@@ -23,6 +23,14 @@ enum class DistanceMethod : std::uint8_t {
   nullScattering  ///< Delta and ratio tracking under a bound: unbiased.
 };
 
+/// What null scattering does at its tentative collisions; see trackers/collision_odds.h.
+enum class Collisions : std::uint8_t {
+  weighted,    ///< Scattering or a null collision; absorption stays in the weights.
+  analogue,    ///< Absorption is a random event as well.
+  decomposed,  ///< The least extinction of a leaf is a control, real at once; the rest is tracked.
+  listed       ///< None is real: one of all is chosen in the end.
+};
+
 enum class TransmittanceMethod : std::uint8_t {
   closedForm,        ///< Constant coefficients.
   analytic,          ///< Voxels times constants, solved cell by cell.
@@ -53,10 +61,10 @@ struct Medium {
   float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
   bool mayScatter = true;                                   ///< False where it is known that it nowhere does.
   bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
-  bool isHoldout = false;                ///< A path from the camera that scatters here ends, as if nothing was there.
-  std::uint32_t lightLinks = 0;          ///< Which lights light it (the renderer's key); 0: all.
-  bool integratesEmission = false;       ///< Null scattering looks for emission once a step, not at its collisions.
-  bool isAnalogue = false;               ///< Absorption is a random event of null scattering as well.
+  bool isHoldout = false;           ///< A path from the camera that scatters here ends, as if nothing was there.
+  std::uint32_t lightLinks = 0;     ///< Which lights light it (the renderer's key); 0: all.
+  bool integratesEmission = false;  ///< Null scattering looks for emission once a step, not at its collisions.
+  Collisions collisions = Collisions::weighted;  ///< Of null scattering.
   const PhaseFunction* phase = nullptr;  ///< Of all lobes, whatever their anisotropy; null: Henyey–Greenstein with it.
 
   /// The medium as one leaf, without its tree. A bound of 0 that nobody proved is not taken at its word: emission, and

@@ -53,6 +53,46 @@ class SegmentWalk {
   float emissionStep() const { return emissionStep_; }
   /// Sum of the coefficients that are the same on the whole stretch.
   const CoefficientSum& known() const { return known_; }
+  /// A tentative collision of one of the media.
+  struct Collision {
+    const Medium* medium = nullptr;
+    BoundNode leaf;
+    float rate = 0;                              ///< Of this medium's tentative collisions.
+    const Coefficients* coefficients = nullptr;  ///< Null until the medium was asked, where they vary.
+
+    CoefficientSum sum() const { return {coefficients->sigmaT, coefficients->sigmaS, coefficients->emission}; }
+    void chooseLobe(Color weight, float u, DistanceSample& sample) const {
+      volume::chooseLobe([&](auto&& use) { use(*medium, *coefficients); }, weight, u, sample);
+    }
+  };
+  /// The medium that a tentative collision belongs to, in proportion to the rates; no number is drawn where there is
+  /// one only.
+  template <UniformSource R>
+  Collision collide(R& random) const {
+    std::size_t chosen = 0;
+    if (media_.size() > 1) {
+      float left = random.next() * rate_;
+      for (std::size_t i = 0; i < media_.size(); ++i) {
+        const float rate = rateOf(i);
+        if (!(rate > 0)) continue;
+        chosen = i;
+        if (left < rate) break;
+        left -= rate;
+      }
+    }
+    return {media_[chosen], walks_[chosen].leaf(), rateOf(chosen), walks_[chosen].known()};
+  }
+  /// What `ask` found of a medium as if it had collided.
+  Collision collisionOf(const Medium& medium, std::span<const Coefficients> answers) const {
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < media_.size(); ++i) {
+      const Coefficients* const known = walks_[i].known();
+      const Coefficients* const coefficients = known ? known : &answers[next++];
+      if (media_[i] == &medium) return {media_[i], walks_[i].leaf(), rateOf(i), coefficients};
+    }
+    return {};
+  }
+
   /// Goes on to the stretch behind `end()`.
   void next() {
     for (std::size_t i = 0; i < media_.size(); ++i) {
@@ -106,17 +146,20 @@ class SegmentWalk {
     for (std::size_t i = 0; i < media_.size(); ++i) {
       const BoundWalk& walk = walks_[i];
       end_ = std::min(end_, walk.end());
+      rate_ += rateOf(i);
       if (walk.known()) {
         known_.add(*walk.known());
-        rate_ += walk.leaf().majorant;
       } else {
         isKnown_ = false;
-        rate_ += media_[i]->collisionRate(walk.leaf());
         if (media_[i]->integratesEmission) lookForEmission(*media_[i], walk);
       }
     }
     if (!(rate_ > negligibleExtinction)) rate_ = 0;
     if (!(rate_ * emissionStep_ < 4)) emissionStep_ = std::numeric_limits<float>::infinity();
+  }
+
+  float rateOf(std::size_t i) const {
+    return walks_[i].known() ? walks_[i].leaf().majorant : media_[i]->collisionRate(walks_[i].leaf());
   }
 
   void lookForEmission(const Medium& medium, const BoundWalk& walk) {

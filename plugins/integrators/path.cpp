@@ -336,6 +336,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     const double end = hit ? hit->t : static_cast<double>(state.ray.tMax);
     path.setRay(state.ray);
     path.setRayTypes(state.rayTypes);
+    path.setLength(state.length);
     findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media, state.direction.links);
     const LightsAlongRay lights = lightsAlongRay(path, state, begin, end);
     beginRay(path, state.length);

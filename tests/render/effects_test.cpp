@@ -40,7 +40,8 @@ struct EffectCase {
   std::string sensor{};           ///< Elements inside of it.
   std::set<std::string> rests{};  ///< Of `on`: that have nothing to do all the same.
   std::string sensorType = "perspective";
-  std::string placement{};  ///< Of the sensor.
+  std::string placement{};   ///< Of the sensor.
+  std::string integrator{};  ///< Elements inside of it.
 };
 
 constexpr const char* open = R"(<float name="shutter_open" value="0"/><float name="shutter_close" value="1"/>)";
@@ -206,6 +207,15 @@ const std::vector<EffectCase>& cases() {
        {"volumes", "heterogeneity", "analytic-voxels", "bound-trees", "volume-scattering", "textures"},
        "",
        {"heterogeneity", "textures"}},
+      {"coarse_voxels",
+       sky + voxels,
+       {"volumes", "heterogeneity", "analytic-voxels", "bound-trees", "volume-scattering", "textures", "light-sampling",
+        "constant-light", "level-of-detail"},
+       "",
+       {"heterogeneity", "textures"},
+       "perspective",
+       "",
+       R"(<integer name="lod_depth" value="1"/>)"},
       {"picture",
        std::string(sky) + R"(<shape type="sphere"><bsdf type="diffuse">)" + pictureFor("reflectance") +
            "</bsdf></shape>",
@@ -225,7 +235,7 @@ class Effects : public ::testing::TestWithParam<EffectCase> {};
 const std::set<std::string> always{"multiple-scattering", "russian-roulette", "ray-tracing"};
 
 TEST_P(Effects, AreOnWhereTheyAreCalledForAndDoNothingElsewhere) {
-  const TestScene scene = loadScene("",
+  const TestScene scene = loadScene(GetParam().integrator,
                                     {.fov = 40,
                                      .width = 8,
                                      .height = 8,

@@ -29,8 +29,8 @@ DistanceSample sampleWithGiven(Tracker tracker, TrackerSetup& setup, const Track
                                                                c.throughput, random, table, &given, tracks));
     }
     default:
-      return setup.evaluator().finish(volume::sampleByNullScattering(setup.evaluator(), setup.ray(), setup.segment(),
-                                                                     c.throughput, random, &given, tracks));
+      return sampleCollision(tracker, setup.evaluator(), setup.ray(), setup.segment(), c.throughput, random, &given,
+                             tracks);
   }
 }
 

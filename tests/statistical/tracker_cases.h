@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/volume/trackers/candidate_list.h"
 #include "core/volume/trackers/homogeneous.h"
 #include "core/volume/trackers/null_scattering.h"
 #include "core/volume/trackers/ray_marching.h"
@@ -170,27 +171,47 @@ enum class Tracker : std::uint8_t {
   nullScattering,
   relaxedNullScattering,
   analogue,
+  decomposition,
+  candidates,
   lineEmission
 };
-inline constexpr std::array allTrackers{Tracker::closedForm,     Tracker::marching,
-                                        Tracker::nullScattering, Tracker::relaxedNullScattering,
-                                        Tracker::analogue,       Tracker::lineEmission};
+inline constexpr std::array allTrackers{
+    Tracker::closedForm, Tracker::marching,      Tracker::nullScattering, Tracker::relaxedNullScattering,
+    Tracker::analogue,   Tracker::decomposition, Tracker::candidates,     Tracker::lineEmission};
 
 inline const char* name(Tracker tracker) {
-  constexpr std::array names{"closedForm", "marching",    "nullScattering", "relaxedNullScattering",
-                             "analogue",   "lineEmission"};
+  constexpr std::array names{"closedForm", "marching",      "nullScattering", "relaxedNullScattering",
+                             "analogue",   "decomposition", "candidates",     "lineEmission"};
   return names[static_cast<std::size_t>(tracker)];
 }
 
 inline std::ostream& operator<<(std::ostream& out, Tracker tracker) { return out << name(tracker); }
 
+inline void prepare(Tracker tracker, Medium& medium) {
+  medium.relaxesBound = tracker == Tracker::relaxedNullScattering;
+  medium.collisions = tracker == Tracker::analogue        ? volume::Collisions::analogue
+                      : tracker == Tracker::decomposition ? volume::Collisions::decomposed
+                      : tracker == Tracker::candidates    ? volume::Collisions::listed
+                                                          : volume::Collisions::weighted;
+  medium.integratesEmission = tracker == Tracker::lineEmission;
+}
+
 inline void prepare(Tracker tracker, TrackerSetup& setup, const TrackerCase& c) {
   for (std::size_t i = 0; i < c.media.size(); ++i) {
-    setup.medium(i).relaxesBound = tracker == Tracker::relaxedNullScattering;
-    setup.medium(i).isAnalogue = tracker == Tracker::analogue;
-    setup.medium(i).integratesEmission = tracker == Tracker::lineEmission;
+    prepare(tracker, setup.medium(i));
     if (tracker == Tracker::lineEmission) setup.medium(i).stepSize = static_cast<float>((c.t1 - c.t0) / 8);
   }
+}
+
+/// Any of the trackers that null scattering has.
+template <class Random>
+DistanceSample sampleCollision(Tracker tracker, DensityEvaluator& evaluator, const Ray<World>& ray,
+                               const volume::Segment& segment, Color throughput, Random& random,
+                               volume::GivenDistance* given = nullptr, bool tracks = true) {
+  return evaluator.finish(
+      tracker == Tracker::candidates
+          ? volume::sampleFromCandidates(evaluator, ray, segment, throughput, random, given, tracks)
+          : volume::sampleByNullScattering(evaluator, ray, segment, throughput, random, given, tracks));
 }
 
 template <class Random>
@@ -204,14 +225,9 @@ DistanceSample sampleDistance(Tracker tracker, TrackerSetup& setup, const Tracke
       return setup.evaluator().finish(
           volume::sampleByMarching(setup.evaluator(), setup.ray(), setup.segment(), step, c.throughput, random, table));
     }
-    case Tracker::nullScattering:
-    case Tracker::relaxedNullScattering:
-    case Tracker::analogue:
-    case Tracker::lineEmission:
-      break;
+    default:
+      return sampleCollision(tracker, setup.evaluator(), setup.ray(), setup.segment(), c.throughput, random);
   }
-  return setup.evaluator().finish(
-      volume::sampleByNullScattering(setup.evaluator(), setup.ray(), setup.segment(), c.throughput, random));
 }
 
 /// The closed form serves constant media alone; how emission is met makes no difference where there is none.

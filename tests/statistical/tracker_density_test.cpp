@@ -148,7 +148,9 @@ TEST_P(ChainDensity, IsThatOfTheChain) {
   Uniforms random(seedOfTest());
   std::vector<DensityEvaluator::Question> chain;
   setup.evaluator().recordInto(&chain);
-  const auto bound = static_cast<double>(setup.medium(0).bound->value);
+  const auto boundOf = [&](std::size_t medium) { return static_cast<double>(setup.medium(medium).bound->value); };
+  double all = 0;
+  for (std::size_t i = 0; i < c.media.size(); ++i) all += boundOf(i);
   const double sum = static_cast<double>(c.throughput.r + c.throughput.g + c.throughput.b);
   for (int i = 0; i < 2000; ++i) {
     chain.clear();
@@ -157,7 +159,8 @@ TEST_P(ChainDensity, IsThatOfTheChain) {
     std::array<double, 3> weight{1, 1, 1};
     for (std::size_t k = 0; k < chain.size(); ++k) {
       const double x = static_cast<double>(chain[k].point.x);
-      logPdf += std::log(bound) - bound * (x - t);
+      const double bound = boundOf(chain[k].medium);
+      logPdf += std::log(bound) - all * (x - t);
       t = x;
       double scatter = 0, pass = 0;
       for (const int j : channels) {
@@ -177,7 +180,7 @@ TEST_P(ChainDensity, IsThatOfTheChain) {
       }
     }
     if (s.event == DistanceEvent::absorbed) continue;  // Russian roulette.
-    if (s.event == DistanceEvent::passed) logPdf -= bound * (c.t1 - t);
+    if (s.event == DistanceEvent::passed) logPdf -= all * (c.t1 - t);
     ASSERT_NEAR(s.logPdf, logPdf, 1e-4 * std::max(1.0, std::fabs(logPdf)));
     if (std::fabs(weight[1]) < static_cast<double>(volume::trackerRouletteThreshold)) continue;
     for (const int j : channels) {
@@ -192,8 +195,8 @@ TEST_P(ChainDensity, IsThatOfTheChain) {
 INSTANTIATE_TEST_SUITE_P(All, JointDensity, ::testing::Values(densityCase("gentle")),
                          [](const auto& info) { return info.param.name; });
 INSTANTIATE_TEST_SUITE_P(All, ChainDensity,
-                         ::testing::Values(densityCase("gentle"),
-                                           densityCase("gentleChromatic", Color(0.5f, 1, 0.25f))),
+                         ::testing::Values(densityCase("gentle"), densityCase("gentleChromatic", Color(0.5f, 1, 0.25f)),
+                                           densityCase("threeVarying")),
                          [](const auto& info) { return info.param.name; });
 
 // A fault of 2% is found.

@@ -40,9 +40,7 @@ class HardCase {
     for (std::size_t i = 0; i < media_.size(); ++i) {
       media_[i].constant.reset();
       if (tracker == Tracker::closedForm) media_[i].constant = coefficients_[i];
-      media_[i].relaxesBound = tracker == Tracker::relaxedNullScattering;
-      media_[i].isAnalogue = tracker == Tracker::analogue;
-      media_[i].integratesEmission = tracker == Tracker::lineEmission;
+      prepare(tracker, media_[i]);
     }
     switch (tracker) {
       case Tracker::closedForm:
@@ -51,7 +49,7 @@ class HardCase {
         return evaluator_.finish(
             volume::sampleByMarching(evaluator_, ray_, segment_, media_[0].stepSize, throughput, random, table_));
       default:
-        return evaluator_.finish(volume::sampleByNullScattering(evaluator_, ray_, segment_, throughput, random));
+        return sampleCollision(tracker, evaluator_, ray_, segment_, throughput, random);
     }
   }
   template <class Random>

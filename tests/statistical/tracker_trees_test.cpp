@@ -125,6 +125,36 @@ TEST_P(Trees, NullScatteringHasTheRightMeans) {
   EXPECT_EQ(setup_.evaluator().trackerStatistics().boundViolations, 0u) << "a leaf's own bound is never exceeded";
 }
 
+TEST_P(Trees, DecompositionHasTheRightMeans) {
+  prepare(Tracker::decomposition, setup_, case_);
+  expectMeans(case_, setup_, Tracker::decomposition, 2500000);
+}
+
+TEST_P(Trees, CandidatesHaveTheRightMeans) {
+  prepare(Tracker::candidates, setup_, case_);
+  expectMeans(case_, setup_, Tracker::candidates, 3000000);
+}
+
+/// Grey extinction: as many distances as light that is lost, each with the albedo as its weight. (A weight of null
+/// collisions is at most 1 where the bound holds, so roulette does not touch it.)
+TEST_P(Trees, DecompositionFallsAsTransmittance) {
+  TrackerCase grey = case_;
+  grey.media = {profile(densityAt, 5, Color(0.4f), Color(0.6f))};
+  const std::unique_ptr<BoundTree> tree = treeOf(grey, 1, GetParam().isFine);
+  TrackerSetup setup(grey);
+  setup.medium(0).tree = tree.get();
+  prepare(Tracker::decomposition, setup, grey);
+  Uniforms random(seedOfTest());
+  RunningMean passed;
+  for (int i = 0; i < 1500000; ++i) {
+    const DistanceSample s = sampleDistance(Tracker::decomposition, setup, grey, random);
+    const bool isPassed = s.event == DistanceEvent::passed;
+    ASSERT_NEAR(s.weight.g, isPassed ? 1.0f : 0.6f, 1e-4f);
+    passed.add(isPassed);
+  }
+  EXPECT_TRUE(agrees(passed, Reference(grey).transmittance(grey.t1, 1)));
+}
+
 TEST_P(Trees, MarchingHasTheRightMeans) {
   case_.steps = 150;
   expectMeans(case_, setup_, Tracker::marching, 900000, 3e-4);

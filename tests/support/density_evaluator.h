@@ -32,7 +32,7 @@ class DensityEvaluator {
     if (quantity == volume::Quantity::extinction) onlyExtinction(answer);
     answers_.push_back(answer);
     ++asked_;
-    if (recorded_) recorded_->push_back({point, answer});
+    if (recorded_) recorded_->push_back({point, answer, medium.index});
   }
 
   auto answers() {
@@ -61,6 +61,7 @@ class DensityEvaluator {
   struct Question {
     Point<World> point;
     volume::Coefficients answer;
+    std::uint32_t medium = 0;  ///< Its index.
   };
   /// Collects what is asked from now on; null ends it.
   void recordInto(std::vector<Question>* questions) { recorded_ = questions; }

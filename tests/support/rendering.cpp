@@ -105,7 +105,7 @@ std::string TestSensor::xml() const {
       R"(<transform name="to_world"><lookat origin="{}" target="{}" up="0, 1, 0"/></transform>)", origin, target);
   return fmt::format(
       R"(<sensor type="{}">{}
-        <float name="fov" value="{}"/>
+        {}
         <float name="near_clip" value="{}"/>
         <float name="far_clip" value="{}"/>
         <film type="hdrfilm">
@@ -116,7 +116,9 @@ std::string TestSensor::xml() const {
         <sampler type="{}"><integer name="seed" value="{}"/></sampler>
         {}
       </sensor>)",
-      type, placement.empty() ? lookAt : placement, fov, nearClip, farClip, width, height, sampler, seed, medium);
+      type, placement.empty() ? lookAt : placement,
+      type == "orthographic" ? "" : fmt::format(R"(<float name="fov" value="{}"/>)", fov), nearClip, farClip, width,
+      height, sampler, seed, medium);
 }
 
 std::string sceneXml(const std::string& integrator, const TestSensor& sensor, const std::string& content) {

@@ -269,12 +269,25 @@ class EffectList {
     add("volume-emission", emitting, hasMedia ? "no medium emits" : none, countOf(Work::mediumEmission));
     add("chromatic-extinction", chromatic, hasMedia ? "extinction is the same in all channels" : none,
         countOf(Work::chromatic));
+    addLevelOfDetail();
     Names looks;
     for (std::size_t i = 0; i < scene_.looks.size(); ++i) {
       // Those of constant media are part of the constants.
       if (scene_.looks[i] && !scene_.media[i].constant) looks.add(scene_.mediumNames[i], scene_.mediumLocations[i]);
     }
     add("volume-looks", looks, "no volume changes what a shader says that varies", countOf(Work::look));
+  }
+
+  void addLevelOfDetail() {
+    const scene::Integrator& integrator = description_.integrator;
+    std::string reason = "neither lod_pixels nor lod_depth is set";
+    if (integrator.lodPixels > 0) reason = "no voxel is seen smaller than lod_pixels";
+    if (integrator.lodDepth > 0) reason = "no medium reads voxels";
+    if (scene_.hasCoarseVolumes) {
+      reason = fmt::format("paths longer than {}{} see voxels of half the resolution, {} over", integrator.lodDepth,
+                           at(integrator.origin.of("lod_depth")), integrator.lodLevels);
+    }
+    add("level-of-detail", scene_.hasCoarseVolumes, reason, countOf(Work::coarseVoxels));
   }
 
   void addPaths() {

@@ -39,6 +39,11 @@ const std::vector<RemovableEffect>& removableEffects() {
        [](SceneDescription& d) { d.integrator.rrDepth = std::numeric_limits<int>::max(); }},
       {"derivatives", "what shaders see has no size: textures are not filtered, fine patterns not smoothed",
        [](SceneDescription& d) { d.integrator.footprints = false; }},
+      {"level-of-detail", "all see the voxels that are in the files: no bias, and more memory is read",
+       [](SceneDescription& d) {
+         d.integrator.lodPixels = 0;
+         d.integrator.lodDepth = 0;
+       }},
       {"volumes", "volume primitives are left out", [](SceneDescription& d) { d.volumes.clear(); }},
       {"surface-media", "media inside and outside of shapes are left out",
        [](SceneDescription& d) {

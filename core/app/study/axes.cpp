@@ -47,7 +47,8 @@ Result<StudySetting> vary(const StudySetting& base, const StudyAxis& axis, const
   } else if (axis.parameter == "distance") {
     constexpr auto& words = scene::Words<scene::DistanceSampling>::words;
     const auto word = std::find(words.begin(), words.end(), value);
-    if (word == words.end()) return refuse("one of auto, marching, null, relaxed, analytic, delta");
+    if (word == words.end())
+      return refuse("one of auto, marching, null, relaxed, analytic, delta, decomposition, candidates");
     setting.arguments.distance = static_cast<scene::DistanceSampling>(word - words.begin());
     add({"--distance", value});
   } else {

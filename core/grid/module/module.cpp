@@ -7,6 +7,7 @@
 #include <fstream>
 #include <vector>
 
+#include "core/grid/module/coarse.h"
 #include "core/grid/module/continued.h"
 #include "core/grid/module/dense_file.h"
 #include "core/grid/module/nano_grid.h"
@@ -28,10 +29,10 @@ class File final : public VoxelFile {
 };
 
 /// The grid itself, or the longer one that is asked for.
-std::unique_ptr<VoxelGrid> makeGridOrLonger(const openvdb::GridBase& grid, const std::string& name, int voxels) {
-  if (voxels > 0 && grid.getName() == name && grid.isType<openvdb::Vec3SGrid>())
-    return makeGrid(*continued(static_cast<const openvdb::Vec3SGrid&>(grid), voxels));
-  return makeGrid(grid);
+openvdb::GridBase::Ptr gridOrLonger(openvdb::GridBase::Ptr grid, const VoxelFileName& name) {
+  if (name.continuedVoxels > 0 && grid->getName() == name.continuedGrid && grid->isType<openvdb::Vec3SGrid>())
+    return continued(static_cast<const openvdb::Vec3SGrid&>(*grid), name.continuedVoxels);
+  return grid;
 }
 
 /// Lays the box of the active voxels into the unit cube.
@@ -46,24 +47,28 @@ openvdb::GridBase::Ptr inUnitCube(openvdb::GridBase::Ptr grid) {
   return grid;
 }
 
-std::unique_ptr<const VoxelFile> read(const std::string& path, const std::string& continuedGrid, int voxels,
-                                      bool isUnit, std::string& message) {
+/// What the file's name asks of each of its grids.
+std::unique_ptr<VoxelGrid> makeAsNamed(openvdb::GridBase::Ptr grid, const VoxelFileName& name) {
+  grid = gridOrLonger(std::move(grid), name);
+  if (name.isUnit) grid = inUnitCube(std::move(grid));
+  return makeGrid(*coarsened(std::move(grid), name.level));
+}
+
+std::unique_ptr<const VoxelFile> read(const VoxelFileName& name, std::string& message) {
   try {
     openvdb::initialize();
     openvdb::logging::setLevel(openvdb::logging::Level::Fatal);
     // OpenVDB does not look whether its reads succeed: the stream does.
-    std::ifstream stream(path, std::ios::binary);
+    std::ifstream stream(name.path, std::ios::binary);
     stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     std::vector<std::unique_ptr<VoxelGrid>> grids;
     if (isDenseFile(stream)) {
-      const auto grid = readDenseFile(stream);
-      grids.push_back(makeGrid(*(isUnit ? inUnitCube(grid) : grid)));
+      grids.push_back(makeAsNamed(readDenseFile(stream), name));
     } else {
       checkVdb(stream);
       openvdb::io::Stream file(stream, false);
       const auto all = file.getGrids();
-      for (const auto& grid : *all)
-        grids.push_back(isUnit ? makeGrid(*inUnitCube(grid)) : makeGridOrLonger(*grid, continuedGrid, voxels));
+      for (const auto& grid : *all) grids.push_back(makeAsNamed(grid, name));
     }
     if (grids.empty()) {
       message = "the file has no grids";

@@ -6,15 +6,14 @@
 #include <vector>
 
 #include "core/base/voxel_grid.h"
+#include "core/grid/grid_file.h"
 #include "core/grid/grid_writer.h"
 
 namespace aerosol::grid {
 
 struct ModuleTable {
-  /// Null, with a message, when the file cannot be read. The vector grid of the name `continued` goes on for `voxels`
-  /// beyond its active ones; `isUnit` grids have the box of their active voxels in the unit cube.
-  std::unique_ptr<const VoxelFile> (*read)(const std::string& path, const std::string& continued, int voxels,
-                                           bool isUnit, std::string& message);
+  /// Null, with a message, when the file cannot be read.
+  std::unique_ptr<const VoxelFile> (*read)(const VoxelFileName& name, std::string& message);
   std::vector<std::string> (*versions)();
   /// What went wrong; empty after success.
   std::string (*write)(const std::string& path, std::span<const NewGrid> grids, bool asHalf);

@@ -38,7 +38,7 @@ void nameThings(const Preparation& state, AovScene& scene) {
   for (std::size_t i = 0; i < description.volumes.size(); ++i) {
     const std::string name = firstOf(description.volumes[i].origin.id, "volume_" + std::to_string(i + 1));
     const std::string material = scene.mediumThings[state.scene->volumes[i]->index].material;
-    for (const volume::Medium* medium : {state.scene->volumes[i], state.scene->cameraVolumes[i]}) {
+    for (const volume::Medium* medium : state.scene->mediaOf(i)) {
       rename(medium, name);
       scene.mediumThings[medium->index].material = material;
     }

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "core/render/medium_phase.h"
+#include "core/render/preparation/level_of_detail.h"
 #include "core/render/preparation/velocities.h"
 #include "core/render/voxel_media.h"
 
@@ -81,6 +82,29 @@ const volume::Medium* copyMedium(Preparation& state, const volume::Medium& mediu
   return &copy;
 }
 
+/// The same media as long paths see them.
+void placeCoarse(Preparation& state, const volume::Medium& own, const volume::Medium& onShadowRays) {
+  const scene::Integrator& integrator = state.description.integrator;
+  PreparedScene& scene = *state.scene;
+  if (integrator.lodDepth == 0) return;
+  const auto coarser = [&](const volume::Medium& medium) -> const volume::Medium* {
+    const auto known = std::ranges::find(state.coarseMedia, medium.index, &CoarseMedium::medium);
+    const int level = integrator.lodLevels + (known != state.coarseMedia.end() ? known->level : 0);
+    const auto shader = coarserShader(state, scene.mediumShaders[medium.index], integrator.lodLevels);
+    if (!shader) return &medium;
+    const VolumeLook* const look = scene.lookOf(medium.index);
+    const volume::Medium* const copy = copyMedium(state, medium, look ? *look : VolumeLook());
+    if (!look) scene.looks[copy->index].reset();
+    scene.mediumShaders[copy->index] = *shader;
+    state.coarseMedia.push_back({copy->index, level, medium.index});
+    scene.hasCoarseVolumes = true;
+    return copy;
+  };
+  scene.coarseAfter = integrator.lodDepth;
+  scene.coarseVolumes.push_back(coarser(own));
+  scene.coarseShadowVolumes.push_back(&onShadowRays == &own ? scene.coarseVolumes.back() : coarser(onShadowRays));
+}
+
 /// A volume's medium, and more of it where shadow rays or the camera see another one.
 void placeVolume(Preparation& state, const scene::Volume& volume, const VolumeType& type) {
   const auto look = lookOf(volume);
@@ -93,6 +117,14 @@ void placeVolume(Preparation& state, const scene::Volume& volume, const VolumeTy
              : placeMedium(state, volume.medium, local, sampling);
   const scene::VolumeControls& controls = volume.controls;
   const volume::Medium *onShadowRays = own, *fromCamera = own;
+  if (own) {
+    const int level = levelByDistance(state, state.scene->mediumShaders[own->index]);
+    const auto shader = level > 0 ? coarserShader(state, state.scene->mediumShaders[own->index], level) : std::nullopt;
+    if (shader) {
+      state.scene->mediumShaders[own->index] = *shader;
+      state.coarseMedia.push_back({own->index, level, {}});
+    }
+  }
   if (own && look) {
     state.placements[own->index].place.stepScale = controls.stepScale;
     if (*look) setLook(state, *own, **look);
@@ -113,6 +145,7 @@ void placeVolume(Preparation& state, const scene::Volume& volume, const VolumeTy
   state.scene->volumes.push_back(own);
   state.scene->shadowVolumes.push_back(onShadowRays);
   state.scene->cameraVolumes.push_back(fromCamera);
+  if (own && look) placeCoarse(state, *own, *onShadowRays);
 }
 
 bool hasVolume(const Box<Object>& box) {
@@ -149,7 +182,7 @@ void placeInteriors(Preparation& state) {
 }  // namespace
 
 void placeMedia(Preparation& state) {
-  const std::size_t most = 3 * state.description.volumes.size() + 2 * state.description.shapes.size() + 1;
+  const std::size_t most = 5 * state.description.volumes.size() + 2 * state.description.shapes.size() + 1;
   state.scene->media.reserve(most + LightLinking::mostCopies(most));
   for (const scene::Volume& volume : state.description.volumes) {
     const VolumeType* type = state.registry.volume(volume.type);
@@ -274,6 +307,7 @@ void decideMedia(Preparation& state) {
     for (const Diagnostic& found : each.entries())
       (found.severity == Severity::error ? state.errors : state.warnings).add(found);
   }
+  if (!state.errors.hasErrors()) reportLevelsOfDetail(state);
 }
 
 }  // namespace aerosol::render

@@ -146,8 +146,7 @@ void addVolumes(Preparation& state) {
     Box<World> bounds = (*shape)->worldBounds();
     *shape = carry(state, volume, state.scene->volumes[i]->index, standing, hasRoom, std::move(*shape));
     if (motion) bounds = placed(bounds, MovingPlace(motion).at(state.scene->shutter.open));
-    for (const volume::Medium* medium :
-         {state.scene->volumes[i], state.scene->shadowVolumes[i], state.scene->cameraVolumes[i]}) {
+    for (const volume::Medium* medium : state.scene->mediaOf(i)) {
       MediumPlace& place = state.placements[medium->index].place;
       place.extent = length(bounds.upper - bounds.lower);
       place.domain = (*shape)->objectBounds();

@@ -22,6 +22,13 @@ Box<World> placed(const Box<World>& box, const Transform<World, Object>& place);
 /// The same map within the object's own spaces.
 Transform<Object, Object> asObject(const Transform<World, Object>& local);
 
+/// A medium whose voxels are coarser than their files'.
+struct CoarseMedium {
+  std::uint32_t medium = 0;
+  int level = 0;                      ///< Halvings.
+  std::optional<std::uint32_t> fine;  ///< The same medium as it is seen by shorter paths.
+};
+
 /// Each step adds to the errors what is wrong with its part, so that one run reports all.
 struct Preparation {
   /// Where a medium of the description is placed.
@@ -65,6 +72,7 @@ struct Preparation {
   MeshFiles meshFiles;
   LightLinking links;
   std::vector<Placement> placements;  ///< By medium index.
+  std::vector<CoarseMedium> coarseMedia;
   Diagnostics errors;
 };
 

@@ -250,9 +250,9 @@ std::unique_ptr<const accel::VolumeShape> carry(Preparation& state, const scene:
   const bool isConfined = !(byGrid && volume.type == "grid");
   auto carried = std::make_unique<const CarriedVolume>(std::move(shape), placed, reach);
   if (isConfined) {
-    for (const auto* each : {&state.scene->volumes, &state.scene->shadowVolumes, &state.scene->cameraVolumes}) {
-      const std::size_t i = static_cast<std::size_t>(&volume - state.description.volumes.data());
-      state.scene->velocities[(*each)[i]->index]->within = carried.get();
+    const auto i = static_cast<std::size_t>(&volume - state.description.volumes.data());
+    for (const volume::Medium* each : state.scene->mediaOf(i)) {
+      state.scene->velocities[each->index]->within = carried.get();
     }
   }
   return carried;

@@ -13,8 +13,8 @@ constexpr int samplesPerBox = 16;
 constexpr float sampleMargin = 0.25f;
 /// Tentative collisions in vain on a chord of a cell from which its division pays.
 constexpr float worthwhileWaste = 0.4f;
-/// Parts of a divided cell stay together when they waste less than they cost: so many collisions on a chord.
-constexpr float joinedWaste = 0.06f;
+/// Steps over faces that a chord of a divided cell has more of.
+constexpr double stepsOfParts = 2;
 constexpr std::uint32_t bytesPerNode = sizeof(BoundNode) + sizeof(BoundRanges);
 
 /// A node while the tree grows.
@@ -239,7 +239,7 @@ class Builder {
     if (isEmpty) {
       cell.knowledge = {.ranges = all, .isEmpty = true};
       cell.parts = 0;
-    } else if ((static_cast<double>(cell.working) - working) * chord(cell.level) < static_cast<double>(joinedWaste)) {
+    } else if ((static_cast<double>(cell.working) - working) * chord(cell.level) * request_.pointCost < stepsOfParts) {
       cell.parts = 0;
     }
   }

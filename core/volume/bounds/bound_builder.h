@@ -50,6 +50,7 @@ struct BoundRequest {
   std::optional<float> everywhere;  ///< Proven upper bound on extinction that holds outside of the domain too.
   bool rangesAreDeclared = false;   ///< What is proven rests on what plugins say of themselves.
   float stepSize = 1;               ///< World units: how often to look where nothing is known, or only emission.
+  double pointCost = 32;            ///< Of asking for a point, in steps over faces between leaves, > 0.
   bool mayLeaveOut = true;          ///< Whether points of known coefficients need not be asked for.
   BoundBudget budget;
 };
@@ -73,8 +74,8 @@ Box<Object> withRounding(const Box<Object>& box, const Transform<World, Object>&
 
 /// Level by level, each cell where tracking wastes most comes first. What a cell wastes is the number of tentative
 /// collisions that find nothing: on a random ray through it (working bound - mean extinction) times the chord, and over
-/// all rays in proportion to its volume. A cell that wastes less than a fraction of a collision on a chord is not worth
-/// the steps over its parts' faces. After all, parts that turned out alike are joined.
+/// all rays in proportion to its volume. A cell that wastes less than a fraction of a collision on a chord is not
+/// divided. After all, parts are joined that save less than the steps over their faces cost.
 BoundTree buildBoundTree(BoundSource& source, const BoundRequest& request, BoundStatistics& statistics);
 
 }  // namespace aerosol::volume

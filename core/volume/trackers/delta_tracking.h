@@ -6,7 +6,7 @@
 #pragma once
 
 #include "core/volume/bounds/bound_walk.h"
-#include "core/volume/trackers/null_scattering.h"
+#include "core/volume/trackers/tentative_flight.h"
 
 namespace aerosol::volume {
 

@@ -6,7 +6,7 @@
 #include "core/volume/trackers/analytic.h"
 #include "core/volume/trackers/combs.h"
 #include "core/volume/trackers/delta_tracking.h"
-#include "core/volume/trackers/null_scattering.h"
+#include "core/volume/trackers/ratio_tracking.h"
 #include "core/volume/trackers/ray_marching.h"
 
 namespace aerosol::volume {

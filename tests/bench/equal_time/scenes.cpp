@@ -48,6 +48,8 @@ const std::vector<Method>& allMethods() {
       {automaticName, ""},
       {"null scattering", word("distance", "null")},
       {"null scattering, relaxed bounds", word("distance", "relaxed")},
+      {"decomposition tracking", word("distance", "decomposition")},
+      {"null scattering, lists of candidates", word("distance", "candidates")},
       {"null scattering, unbiased marching to lights", word("distance", "null") + word("transmittance", "unbiased")},
       {"null scattering, two combs to lights", word("distance", "null") + word("transmittance", "two_combs")},
       {"null scattering, no equiangular", word("distance", "null") + noEquiangular},

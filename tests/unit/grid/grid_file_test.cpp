@@ -384,6 +384,61 @@ TEST_F(Grids, MissingAndDamagedFiles) {
 }
 
 /// OpenVDB writes beyond its buffer where a block says that it is longer; the walk through the file refuses it before.
+/// Coarse voxels hold what was there, and a constant stays one.
+TEST_F(Grids, CoarserLevelsKeepTheSum) {
+  auto grid = openvdb::FloatGrid::create(0.0f);
+  grid->setName("density");
+  grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  grid->denseFill(openvdb::CoordBBox(openvdb::Coord(-16, 0, 8), openvdb::Coord(15, 23, 39)), 1.0f);
+  std::mt19937 random(7);
+  for (auto i = grid->beginValueOn(); i; ++i) i.setValue(static_cast<float>(random() % 1000) / 1000);
+  auto even = openvdb::FloatGrid::create(0.0f);
+  even->setName("even");
+  even->denseFill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(31)), 3.0f);
+  const std::string path = write({grid, even});
+  double sum = 0;
+  for (auto i = grid->cbeginValueOn(); i; ++i) sum += static_cast<double>(*i);
+  for (const int level : {1, 2, 3}) {
+    const auto file = read(coarseName(path, level));
+    ASSERT_TRUE(file);
+    const VoxelGrid* const coarse = file->find("density");
+    ASSERT_TRUE(coarse);
+    const double size = 0.5 * (1 << level);
+    EXPECT_DOUBLE_EQ(coarse->info().voxelSize[0], size);
+    double total = 0;
+    const auto& box = coarse->info().indexBounds;
+    for (std::int32_t x = box[0]; x <= box[3]; ++x)
+      for (std::int32_t y = box[1]; y <= box[4]; ++y)
+        for (std::int32_t z = box[2]; z <= box[5]; ++z) {
+          const float px = static_cast<float>(x * size), py = static_cast<float>(y * size);
+          const float pz = static_cast<float>(z * size);
+          float value = 0;
+          coarse->sample(VoxelInterpolation::nearest, 1, &px, &py, &pz, &value);
+          total += static_cast<double>(value) * (1 << 3 * level);
+        }
+    EXPECT_NEAR(total / sum, 1, 1e-4) << level;
+    const float middle = 16;
+    float value = 0;
+    file->find("even")->sample(VoxelInterpolation::nearest, 1, &middle, &middle, &middle, &value);
+    EXPECT_FLOAT_EQ(value, 3) << level;
+  }
+}
+
+/// Requests in a name come in any order.
+TEST_F(Grids, NamesMayAskForSeveralThings) {
+  auto grid = openvdb::FloatGrid::create(0.0f);
+  grid->denseFill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(15)), 1.0f);
+  const std::string path = write({grid});
+  for (const std::string& name :
+       {coarseName(path, 1) + std::string(unitCubeSuffix), coarseName(path + std::string(unitCubeSuffix), 1)}) {
+    const auto file = read(name);
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(isGridFile(name));
+    EXPECT_EQ(fileOfName(name), path);
+    EXPECT_DOUBLE_EQ(file->grids()[0]->info().voxelSize[1], 2.0 / 16);
+  }
+}
+
 TEST_F(Grids, SizesThatLieAreRefused) {
   auto grid = openvdb::FloatGrid::create();
   std::mt19937 random(13);

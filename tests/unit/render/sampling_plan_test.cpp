@@ -37,8 +37,12 @@ TEST(SamplingPlanTest, NamesWhatWasDecided) {
   EXPECT_EQ(*choiceOf("fog", medium, 0.5f).sampling.transmittance, TransmittanceSampling::ratio);
   medium.relaxesBound = true;
   EXPECT_EQ(distance(), DistanceSampling::relaxed);
-  medium.isAnalogue = true;
+  medium.collisions = volume::Collisions::analogue;
   EXPECT_EQ(distance(), DistanceSampling::delta);
+  medium.collisions = volume::Collisions::decomposed;
+  EXPECT_EQ(distance(), DistanceSampling::decomposition);
+  medium.collisions = volume::Collisions::listed;
+  EXPECT_EQ(distance(), DistanceSampling::candidates);
   medium.method = DistanceMethod::analytic;
   medium.transmittance = TransmittanceMethod::analytic;
   EXPECT_EQ(distance(), DistanceSampling::analytic);

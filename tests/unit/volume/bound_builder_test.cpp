@@ -116,6 +116,22 @@ TEST(BoundBuilder, KeepsToItsBudget) {
   }
 }
 
+/// A dear shader is worth more steps over faces: its tree is finer, and wastes less.
+TEST(BoundBuilder, DearPointsMakeFinerTrees) {
+  Ball ball;
+  std::size_t before = 0;
+  double bound = infinity;
+  for (const double cost : {0.25, 2.0, 16.0}) {
+    BoundStatistics statistics;
+    const BoundRequest request{.domain = cube, .objectToWorld = {}, .stepSize = 0.1f, .pointCost = cost};
+    const BoundTree tree = buildBoundTree(ball, request, statistics);
+    EXPECT_GT(tree.nodes.size(), before) << cost;
+    EXPECT_LT(statistics.meanBound, bound) << cost;
+    before = tree.nodes.size();
+    bound = statistics.meanBound;
+  }
+}
+
 TEST(BoundBuilder, DeclaredBoundsCap) {
   Ball ball;
   BoundStatistics statistics;
