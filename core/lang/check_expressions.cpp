@@ -130,7 +130,7 @@ Type Checker::checkName(Expression& expression, Name& name) {
         (name.name == "Ps" && (inDisplacement || shaderKind_ == "surface"))) {
       warning(expression.position,
               "the shader global '" + name.name + "' is not available in " + shaderKind_ + " shaders",
-              {name.name == "Ci" ? "what it holds is not used" : "it is zero here"});
+              {name.name == "Ci" ? "what it holds is not used" : "renders leave it zero"});
     }
   }
   return name.declaration->type;
