@@ -1,14 +1,9 @@
 # tests/bench: Google Benchmark, not a test. Files named *_native.cpp are the yardstick, plain C++ as fast as the compiler
 # makes it for this machine; *_native_<lanes>.cpp prefer vectors of that many floats.
 
-find_package(benchmark CONFIG QUIET)
-file(GLOB benchmarkSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/*.cpp")
-if(benchmarkSources AND benchmark_FOUND)
-  add_executable(benchmarks ${benchmarkSources})
-  target_link_libraries(benchmarks PRIVATE core_app aerosol_flags aerosol_openvdb benchmark::benchmark benchmark::benchmark_main fmt::fmt)
-  target_compile_definitions(benchmarks PRIVATE AEROSOL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
-  add_dependencies(benchmarks aerosol_support)
-  foreach(source ${benchmarkSources})
+# Sources named as above take that machine's best code.
+function(aerosol_yardsticks)
+  foreach(source ${ARGN})
     if(source MATCHES "_native(_([0-9]+))?\\.cpp$")
       # A hypervisor may hide half of a feature pair, which clang mends with a warning.
       set(options -O3 -march=native -Wno-invalid-feature-combination)
@@ -19,6 +14,16 @@ if(benchmarkSources AND benchmark_FOUND)
       set_source_files_properties("${source}" PROPERTIES COMPILE_OPTIONS "${options}")
     endif()
   endforeach()
+endfunction()
+
+find_package(benchmark CONFIG QUIET)
+file(GLOB benchmarkSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/*.cpp")
+if(benchmarkSources AND benchmark_FOUND)
+  add_executable(benchmarks ${benchmarkSources})
+  target_link_libraries(benchmarks PRIVATE core_app aerosol_flags aerosol_openvdb benchmark::benchmark benchmark::benchmark_main fmt::fmt)
+  target_compile_definitions(benchmarks PRIVATE AEROSOL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  add_dependencies(benchmarks aerosol_support)
+  aerosol_yardsticks(${benchmarkSources})
 endif()
 
 # tests/bench/tables: programs that print comparisons; not built by default.
@@ -29,6 +34,13 @@ foreach(source ${tableSources})
   target_link_libraries(${name} PRIVATE test_support aerosol_embree fmt::fmt ${CMAKE_DL_LIBS})
   add_dependencies(${name} aerosol_support)
 endforeach()
+
+# tests/bench/shader_table: compiled shaders beside hand-written C++; not built by default.
+file(GLOB shaderTableSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/shader_table/*.cpp")
+add_executable(shader_table EXCLUDE_FROM_ALL ${shaderTableSources})
+target_link_libraries(shader_table PRIVATE test_support aerosol_flags fmt::fmt)
+add_dependencies(shader_table aerosol_support)
+aerosol_yardsticks(${shaderTableSources})
 
 # tests/bench/equal_time: all methods of sampling against each other. A test runs the smallest size of it.
 file(GLOB equalTimeSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/equal_time/*.cpp")

@@ -283,7 +283,7 @@ void Checker::useFunction(const FunctionDeclaration& function, Position position
 }
 
 Type Checker::checkClosureCall(Expression& expression, Call& call, const ClosureRow& row) {
-  const bool isVolume = shaderKind_ == "volume", isSurface = shaderKind_ == "surface";
+  const bool isVolume = shaderKind_ == "volume", isSurface = shaderKind_ == "surface" || shaderKind_ == "light";
   if ((isVolume && !row.volume) || (isSurface && !row.surface)) {
     std::vector<std::string> names;
     for (const ClosureRow& other : closureTable())

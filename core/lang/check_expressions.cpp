@@ -128,9 +128,9 @@ Type Checker::checkName(Expression& expression, Name& name) {
     const bool inVolume = shaderKind_ == "volume", inDisplacement = shaderKind_ == "displacement";
     if ((inVolume && isSurfaceOnly) || (inDisplacement && (name.name == "I" || name.name == "Ci")) ||
         (name.name == "Ps" && (inDisplacement || shaderKind_ == "surface"))) {
-      error(expression.position,
-            "the shader global '" + name.name + "' is not available in " + shaderKind_ + " shaders");
-      return poisoned;
+      warning(expression.position,
+              "the shader global '" + name.name + "' is not available in " + shaderKind_ + " shaders",
+              {name.name == "Ci" ? "what it holds is not used" : "renders leave it zero"});
     }
   }
   return name.declaration->type;
@@ -151,7 +151,7 @@ bool Checker::checkWritable(const Expression& target) {
             {variable->isShaderParameter ? "assign a copy of it" : "a variable passed for it is changed, too"});
   }
   if (!variable->isGlobal || variable->name == "Ci") return true;
-  const bool writable = (variable->name == "N" && (shaderKind_ == "surface" || shaderKind_ == "displacement")) ||
+  const bool writable = (variable->name == "N" && shaderKind_ != "volume" && shaderKind_ != "shader") ||
                         (variable->name == "P" && shaderKind_ == "displacement");
   if (!writable) {
     const char* article = shaderKind_ == "shader" ? "generic" : shaderKind_.c_str();

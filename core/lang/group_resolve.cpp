@@ -167,8 +167,7 @@ class Resolver {
   std::optional<NamedPart> findSource(std::uint32_t layer, const std::string& name) const {
     const Program& program = *group_.layers[layer].program;
     auto part = layers_[layer].shader->names.find(name);
-    if (part || name != "Ci" || program.ci == noVariable || (program.kind != "surface" && !program.isVolume()))
-      return part;
+    if (part || name != "Ci" || program.ci == noVariable || (!program.isSurface() && !program.isVolume())) return part;
     return NamedPart{{ciParameter}, {""}};
   }
 

@@ -237,7 +237,9 @@ Value Lowerer::lowerAssign(const Expression& expression, const Assign& assigned)
   if (!assigned.compound) {
     const Place target = place(*assigned.target);
     // What the target's indices were computed from may change while the value is computed; they are temporaries.
-    Value value = lowerTo(*assigned.value, type);
+    // A longer array keeps its last elements.
+    const bool isArray = type.isArray() && !std::holds_alternative<InitializerList>(assigned.value->node);
+    Value value = isArray ? lower(*assigned.value) : lowerTo(*assigned.value, type);
     position_ = expression.position;
     store(target, value);
     return target.isWhole() ? load(target) : value;

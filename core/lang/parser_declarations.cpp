@@ -10,7 +10,7 @@ namespace aerosol::lang {
 
 namespace {
 
-constexpr std::array<std::string_view, 4> shaderKinds = {"surface", "volume", "displacement", "shader"};
+constexpr std::array<std::string_view, 5> shaderKinds = {"surface", "volume", "displacement", "light", "shader"};
 
 bool isShaderKind(std::string_view word) {
   return std::find(shaderKinds.begin(), shaderKinds.end(), word) != shaderKinds.end();
@@ -87,6 +87,8 @@ TypeName Parser::typeName() {
   if (const auto base = simpleType(peek().kind)) {
     type.base = *base;
     next();
+    type.closure =
+        *base == BaseType::color && accept(TokenKind::kwClosure);  // The order of the language's first years.
     return type;
   }
   if (at(TokenKind::identifier)) {
@@ -164,19 +166,19 @@ void Parser::declaration(SourceFile& file) {
 void Parser::unknownDeclaration(SourceFile& file) {
   const Token& word = peek();
   if (!at(TokenKind::identifier, 1)) failExpected("a function, a struct or a shader", "");
-  std::vector<std::string> known = {"int",    "float",   "string", "color",        "point",  "vector", "normal",
-                                    "matrix", "surface", "volume", "displacement", "shader", "struct"};
+  std::vector<std::string> known = {"int",    "float",   "string", "color",        "point", "vector", "normal",
+                                    "matrix", "surface", "volume", "displacement", "light", "shader", "struct"};
   known.insert(known.end(), structNames_.begin(), structNames_.end());
-  std::sort(known.begin() + 13, known.end());
+  std::sort(known.begin() + 14, known.end());
   std::vector<std::string> notes;
   if (const std::string hint = didYouMean(word.text, known); !hint.empty()) notes.push_back(hint);
   error(word.position,
-        fmt::format("'{}' is neither a type nor a kind of shader (surface, volume, displacement, shader)", word.text),
+        fmt::format("'{}' is neither a type nor a kind of shader (surface, volume, displacement, light, shader)",
+                    word.text),
         std::move(notes));
   // The rest is still looked at for errors: as what it most resembles.
   const auto nearest = nearestNames(word.text, known, 1);
-  const bool shader =
-      at(TokenKind::leftBracket, 2) || (!nearest.empty() && isShaderKind(nearest[0])) || word.text == "light";
+  const bool shader = at(TokenKind::leftBracket, 2) || (!nearest.empty() && isShaderKind(nearest[0]));
   if (shader) {
     file.declarations.emplace_back(shaderDeclaration());
   } else {

@@ -277,6 +277,8 @@ struct Program {
   std::vector<Output> outputs;  ///< Everything that can be asked of a kernel, computed at the end of `body`.
 
   bool isVolume() const { return kind == "volume"; }
+  /// Whether it is about surfaces and gives a closure: lights are emissive surfaces.
+  bool isSurface() const { return kind == "surface" || kind == "light"; }
 };
 
 /// A readable listing, for tests and debugging.

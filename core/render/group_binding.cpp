@@ -282,7 +282,7 @@ std::string GroupBuilder::chooseOutput(const scene::ShaderInput& input, const la
   std::string name = first([&](const lang::Type& type) { return type == wanted; });
   if (name.empty()) name = first([&](const lang::Type& type) { return lang::sameKind(type, wanted); });
   if (name.empty()) name = first([&](const lang::Type& type) { return lang::connects(type, wanted); });
-  const bool showsCi = source.kind == "surface" || source.isVolume();
+  const bool showsCi = source.isSurface() || source.isVolume();
   if (name.empty() && wanted.closure && showsCi) return "Ci";
   return name.empty() ? first([](const lang::Type&) { return true; }) : name;
 }

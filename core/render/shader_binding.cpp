@@ -152,6 +152,7 @@ std::optional<std::uint32_t> parameterWritten(const lang::Program& program, cons
 bool isOfKind(const scene::ShaderUse& use, const lang::Program& program, std::string_view kind, Diagnostics& errors) {
   // A shader of no special kind has no coefficients to give.
   if (program.kind == kind || (program.kind == "shader" && kind != "volume")) return true;
+  if (kind == "surface" && program.isSurface()) return true;
   errors.error(use.nameLocation,
                fmt::format("'{}' is a {}{}; a {} shader is needed here", use.code ? program.name : use.name,
                            program.kind, program.kind == "shader" ? "" : " shader", kind));
