@@ -43,7 +43,7 @@ Result<CameraFrustum> makeCameraFrustum(const scene::Sensor& sensor, const scene
   const Camera camera(sensor, film);
   if (camera.isOrthographic())
     return Diagnostic{Severity::error, {}, "an orthographic camera has no frustum", {}, {"bake without --frustum"}};
-  const Transform<World, aerosol::Camera> toWorld = camera.toWorld(sensor.shutter().open);
+  const Transform<World, aerosol::Camera> toWorld = camera.toWorld(options.time);
   const Matrix4 toCamera = toWorld.inverseMatrix();
   const auto [near, far] = depthsOf(camera, toCamera, bounds);
   if (!(near > 0 && near < far))
