@@ -30,6 +30,12 @@ foreach(source ${tableSources})
   add_dependencies(${name} aerosol_support)
 endforeach()
 
+# tests/bench/places: where volumes are, and what overlap costs, as printed tables; not built by default.
+file(GLOB placesSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/places/*.cpp")
+add_executable(places EXCLUDE_FROM_ALL ${placesSources})
+target_link_libraries(places PRIVATE test_support aerosol_openvdb fmt::fmt)
+add_dependencies(places aerosol_support)
+
 # tests/bench/equal_time: all methods of sampling against each other. A test runs the smallest size of it.
 file(GLOB equalTimeSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/equal_time/*.cpp")
 add_executable(equal_time ${equalTimeSources})
