@@ -42,6 +42,12 @@ target_link_libraries(shader_table PRIVATE test_support aerosol_flags fmt::fmt)
 add_dependencies(shader_table aerosol_support)
 aerosol_yardsticks(${shaderTableSources})
 
+# tests/bench/places: where volumes are, and what overlap costs, as printed tables; not built by default.
+file(GLOB placesSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/places/*.cpp")
+add_executable(places EXCLUDE_FROM_ALL ${placesSources})
+target_link_libraries(places PRIVATE test_support aerosol_openvdb fmt::fmt)
+add_dependencies(places aerosol_support)
+
 # tests/bench/equal_time: all methods of sampling against each other. A test runs the smallest size of it.
 file(GLOB equalTimeSources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/bench/equal_time/*.cpp")
 add_executable(equal_time ${equalTimeSources})

@@ -10,6 +10,7 @@
 #include "core/accel/embree.h"
 #include "core/accel/slab.h"
 #include "core/accel/surfaces.h"
+#include "core/accel/welded_corners.h"
 
 namespace aerosol::accel {
 
@@ -160,18 +161,7 @@ Diagnostic makeError(std::string message) { return {Severity::error, {}, std::mo
 }  // namespace
 
 MeshTopology examine(const TriangleMesh& mesh) {
-  const auto less = [&](std::uint32_t a, std::uint32_t b) {
-    const Point<World>&p = mesh.positions[a], &q = mesh.positions[b];
-    return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
-  };
-  std::vector<std::uint32_t> order(mesh.positions.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), less);
-  std::vector<std::uint32_t> corner(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const bool isSame = i > 0 && mesh.positions[order[i]] == mesh.positions[order[i - 1]];
-    corner[order[i]] = isSame ? corner[order[i - 1]] : order[i];
-  }
+  const std::vector<std::uint32_t> corner = weldedCorners(mesh);
   struct Uses {
     int forward = 0, backward = 0;
   };
@@ -181,7 +171,7 @@ MeshTopology examine(const TriangleMesh& mesh) {
     if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
     for (int i = 0; i < 3; ++i) {
       const std::uint32_t a = c[i], b = c[(i + 1) % 3];
-      Uses& uses = edges[std::uint64_t{std::min(a, b)} << 32 | std::max(a, b)];
+      Uses& uses = edges[edgeKey(a, b)];
       ++(a < b ? uses.forward : uses.backward);
     }
   }

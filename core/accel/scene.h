@@ -45,7 +45,7 @@ struct SceneOptions {
   Shutter shutter = {};  ///< Rays' times lie in it. What moves needs one that is open for some time.
 };
 
-/// The design that measurements speak for (tests/bench/overlap_bench.cpp): the partition where a line through all
+/// The design that measurements speak for (tests/bench/places/overlap.cpp): the partition where a line through all
 /// volumes meets many of them. Decided by their bounds alone, so that it is the same everywhere.
 OverlapDesign chooseOverlapDesign(std::span<const Box<World>> volumes);
 

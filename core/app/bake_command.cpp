@@ -42,15 +42,17 @@ class Bake {
   }
 
   ExitCode run() {
-    if (!placeFrustum() || !checkLattice() || !prepare()) return ExitCode::badInput;
     const std::vector<float> times = arguments_.time.times();
+    if (!loadCamera() || !placeFrustum(times.front()) || !checkLattice() || !prepare()) return ExitCode::badInput;
     if (arguments_.temporal)
       return bakeTemporal(times) ? (watch_.stopFlag() ? ExitCode::interrupted : ExitCode::success) : ExitCode::badInput;
-    if (times.size() > 1 && !baker_->readsTime())
+    const bool cameraMoves = camera_ && camera_->sensor.toWorld.motionDuring({times.front(), times.back()});
+    if (times.size() > 1 && !baker_->readsTime() && !cameraMoves)
       console_.note("aerosol: warning: the shader does not read 'time': all frames are the same\n");
     for (std::size_t frame = 0; frame < times.size(); ++frame) {
       const std::string name = times.size() == 1 ? arguments_.output : frameName(arguments_.output, frame + 1);
-      if (!bakeFrame(name, times[frame])) return ExitCode::badInput;
+      const bool isPlaced = frame == 0 || (placeFrustum(times[frame]) && checkLattice());
+      if (!isPlaced || !bakeFrame(name, times[frame])) return ExitCode::badInput;
       if (watch_.stopFlag()) return ExitCode::interrupted;
     }
     return ExitCode::success;
@@ -66,14 +68,20 @@ class Bake {
     return !diagnostics.hasErrors();
   }
 
-  /// Where voxels stand in the view of a camera, if they shall.
-  bool placeFrustum() {
+  bool loadCamera() {
     if (arguments_.frustum.empty()) return true;
     render::Registry registry;
     render::registerPlugins(registry);
     Diagnostics warnings;
-    const auto scene = scene::load(arguments_.frustum, {{}, {}, registeredTypes(registry)}, warnings);
+    auto scene = scene::load(arguments_.frustum, {{}, {}, registeredTypes(registry)}, warnings);
     if (!scene) return accept(scene.errors());
+    camera_ = std::move(*scene);
+    return true;
+  }
+
+  /// Where voxels stand in the view of a camera at a time, if they shall.
+  bool placeFrustum(float time) {
+    if (!camera_) return true;
     Box<World> bounds;
     for (int i = 0; i < 3; ++i) {
       bounds.lower[i] = lattice_.bounds.lower[i];
@@ -81,9 +89,9 @@ class Bake {
     }
     using render::FrustumDepth;
     const auto frustum =
-        render::makeCameraFrustum(scene->sensor, scene->film, bounds,
+        render::makeCameraFrustum(camera_->sensor, camera_->film, bounds,
                                   {arguments_.voxelSize, arguments_.slices,
-                                   arguments_.projective ? FrustumDepth::projective : FrustumDepth::linear});
+                                   arguments_.projective ? FrustumDepth::projective : FrustumDepth::linear, time});
     if (!frustum) return fail(frustum.errors().entries().front().message);
     lattice_.frustum = {frustum->map, frustum->size};
     frustumInFile_ = frustum->file;
@@ -92,10 +100,16 @@ class Bake {
 
   bool checkLattice() {
     for (int axis = 0; axis < 3; ++axis) {
+      constexpr double most = 1 << 30;
+      const auto far =
+          static_cast<double>(std::max(std::fabs(lattice_.bounds.lower[axis]), std::fabs(lattice_.bounds.upper[axis])));
+      if (!lattice_.frustum && !(far / lattice_.voxelSize < most))
+        return fail(
+            fmt::format("the bounds reach {:g} from the origin, {:.3g} voxels of this size: more than can be "
+                        "numbered",
+                        far, far / lattice_.voxelSize));
       const auto [first, last] = lattice_.range(axis);
       if (first > last) return fail("no voxel of this size has its centre within the bounds");
-      constexpr std::int64_t most = std::int64_t{1} << 30;
-      if (first < -most || last > most) return fail("the voxels are too small for bounds so far from the origin");
     }
     if (lattice_.size() > mostPoints)
       return fail(fmt::format("{} voxels are too many: take larger ones", formatShort(lattice_.size())));
@@ -224,6 +238,7 @@ class Bake {
   const Console& console_;
   InterruptWatch watch_;
   render::BakeLattice lattice_;
+  std::optional<scene::SceneDescription> camera_;  ///< The scene of --frustum.
   std::optional<grid::NewFrustum> frustumInFile_;
   std::optional<shading::ShaderLibrary> library_;
   shading::GroupLibrary groups_;

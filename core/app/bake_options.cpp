@@ -72,7 +72,7 @@ void addBake(CLI::App& program, BakeArguments& bake) {
   app.add_option(
          "--frustum", bake.frustum,
          "Voxels stand in what the camera of this scene sees, finer near to it;\n--voxel is their width at the near "
-         "end of the bounds, which are in world space")
+         "end of the bounds, which are in world space.\nEach time of --time has the camera of that time")
       ->option_text("SCENE");
   const auto depth = [&bake](const std::string& option, const std::string& text) {
     if (text != "linear" && text != "projective") refuse(option, fmt::format("'{}' is not linear or projective", text));

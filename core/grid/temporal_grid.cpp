@@ -10,18 +10,14 @@ namespace aerosol::grid {
 
 namespace {
 
-constexpr std::size_t voxels = 512, rowLength = 8;
+constexpr std::size_t voxels = curvesInBlock;
+/// Numbers of curves and of knots are counted in 31 bits.
+constexpr std::size_t mostNumbers = std::numeric_limits<std::int32_t>::max();
 /// Places for blocks in the table; more than a renderer could fill.
 constexpr double mostPlaces = 1 << 28;
 
 std::int64_t voxelsAround(VoxelInterpolation interpolation) {
   return interpolation == VoxelInterpolation::tricubic ? 2 : 1;
-}
-
-/// Weights of the uniform cubic B-spline for the voxels at -1, 0, 1 and 2 around a fraction.
-std::array<float, 4> splineWeights(float f) {
-  const float g = 1 - f, ff = f * f;
-  return {g * g * g / 6, (4 - 6 * ff + 3 * ff * f) / 6, (4 - 6 * g * g + 3 * g * g * g) / 6, ff * f / 6};
 }
 
 }  // namespace
@@ -54,16 +50,18 @@ bool TemporalGrid::index(std::string& problem) {
     problem = "the blocks of grid '" + curves_.name + "' lie too far apart";
     return false;
   }
-  blocks_.assign(static_cast<std::size_t>(places), -1);
-  std::uint64_t knot = 0;
+  if (origins.size() * curves > mostNumbers || curves_.values.size() > mostNumbers) {
+    problem = "grid '" + curves_.name + "' has more than 2^31 curves or values";
+    return false;
+  }
+  blocks_.assign(std::max<std::size_t>(1, static_cast<std::size_t>(places)), -1);
+  std::size_t knot = 0;
   for (std::size_t b = 0; b < origins.size(); ++b) {
     const std::array<std::int64_t, 3> at{origins[b][0] / 8 - first_[0], origins[b][1] / 8 - first_[1],
                                          origins[b][2] / 8 - first_[2]};
     blocks_[static_cast<std::size_t>((at[0] * size_[1] + at[1]) * size_[2] + at[2])] = static_cast<std::int32_t>(b);
-    begins_.push_back(knot);
-    const std::uint64_t begin = knot;
     for (std::size_t c = 0; c < curves; ++c) {
-      if (c % rowLength == 0) rows_.push_back(static_cast<std::uint32_t>(knot - begin));
+      if (c % curvesInRow == 0) rows_.push_back(static_cast<std::int32_t>(knot));
       if (c % voxels == 0) spans_.push_back({});
       Span& span = spans_.back();
       const std::size_t count = curves_.counts[b * curves + c];
@@ -81,7 +79,24 @@ bool TemporalGrid::index(std::string& problem) {
     total.least = std::min(total.least, spans_[i].least);
     total.greatest = std::max(total.greatest, spans_[i].greatest);
   }
+  setTables();
   return true;
+}
+
+void TemporalGrid::setTables() {
+  curves_.knots.resize(curves_.values.size() + 4);
+  tables_.channels = curves_.channels;
+  tables_.timeCount = static_cast<std::int32_t>(curves_.times.size());
+  for (std::size_t i = 0; i < 3; ++i) {
+    tables_.first[i] = static_cast<std::int32_t>(first_[i]);
+    tables_.size[i] = static_cast<std::int32_t>(size_[i]);
+  }
+  tables_.blocks = blocks_.data();
+  tables_.counts = curves_.counts.data();
+  tables_.rows = rows_.data();
+  tables_.knots = curves_.knots.data();
+  tables_.values = curves_.values.data();
+  tables_.times = curves_.times.data();
 }
 
 void TemporalGrid::describe() {
@@ -133,8 +148,8 @@ void TemporalGrid::describe() {
     info_.greatest[c] = total_[c].greatest;
   }
   info_.memoryBytes = curves_.counts.size() + curves_.knots.size() + curves_.values.size() * sizeof(float) +
-                      rows_.size() * sizeof(std::uint32_t) + begins_.size() * sizeof(std::uint64_t) +
-                      blocks_.size() * sizeof(std::int32_t) + spans_.size() * sizeof(Span);
+                      rows_.size() * sizeof(std::int32_t) + blocks_.size() * sizeof(std::int32_t) +
+                      spans_.size() * sizeof(Span);
 }
 
 std::vector<VoxelBox> TemporalGrid::activeBoxes() const {
@@ -160,42 +175,7 @@ std::vector<VoxelBox> TemporalGrid::activeBoxes() const {
 
 double TemporalGrid::meanKnots() const {
   const auto curves = std::ranges::count_if(curves_.counts, [](std::uint8_t count) { return count > 0; });
-  return curves > 0 ? static_cast<double>(curves_.knots.size()) / static_cast<double>(curves) : 0;
-}
-
-std::int32_t TemporalGrid::blockAt(std::int64_t x, std::int64_t y, std::int64_t z) const {
-  x = (x >> 3) - first_[0];
-  y = (y >> 3) - first_[1];
-  z = (z >> 3) - first_[2];
-  if (x < 0 || y < 0 || z < 0 || x >= size_[0] || y >= size_[1] || z >= size_[2]) return -1;
-  return blocks_[static_cast<std::size_t>((x * size_[1] + y) * size_[2] + z)];
-}
-
-float TemporalGrid::valueOf(std::size_t block, std::size_t curve, float time) const {
-  const std::size_t curves = voxels * static_cast<std::size_t>(curves_.channels);
-  const std::uint8_t* const counts = curves_.counts.data() + block * curves;
-  const std::size_t count = counts[curve];
-  if (count == 0) return 0;
-  std::uint64_t at = begins_[block] + rows_[(block * curves + curve) / rowLength];
-  for (std::size_t c = curve / rowLength * rowLength; c < curve; ++c) at += counts[c];
-  const std::uint8_t* const knots = curves_.knots.data() + at;
-  const float* const values = curves_.values.data() + at;
-  const auto timeOf = [&](std::size_t k) { return curves_.times[knots[k]]; };
-  if (!(time > timeOf(0))) return values[0];
-  std::size_t k = 1;
-  while (k < count && timeOf(k) <= time) ++k;
-  if (k == count) return values[count - 1];
-  const float u = (time - timeOf(k - 1)) / (timeOf(k) - timeOf(k - 1));
-  return values[k - 1] + u * (values[k] - values[k - 1]);
-}
-
-void TemporalGrid::addVoxel(std::int64_t x, std::int64_t y, std::int64_t z, float time, float weight,
-                            float* sums) const {
-  const std::int32_t block = blockAt(x, y, z);
-  if (block < 0) return;
-  const auto voxel = static_cast<std::size_t>(((x & 7) * 8 + (y & 7)) * 8 + (z & 7));
-  for (std::size_t c = 0; c < static_cast<std::size_t>(curves_.channels); ++c)
-    sums[c] += weight * valueOf(static_cast<std::size_t>(block), c * voxels + voxel, time);
+  return curves > 0 ? static_cast<double>(curves_.values.size()) / static_cast<double>(curves) : 0;
 }
 
 void TemporalGrid::sample(VoxelInterpolation interpolation, std::size_t count, const float* x, const float* y,
@@ -206,47 +186,9 @@ void TemporalGrid::sample(VoxelInterpolation interpolation, std::size_t count, c
 
 void TemporalGrid::sampleAt(VoxelInterpolation interpolation, std::size_t count, const float* x, const float* y,
                             const float* z, const float* times, float* results) const {
-  for (std::size_t n = 0; n < count; ++n) {
-    float sums[3] = {0, 0, 0};
-    std::array<double, 3> at;
-    bool isInside = true;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double* const row = fileToIndex_.data() + 4 * i;
-      at[i] = row[0] * static_cast<double>(x[n]) + row[1] * static_cast<double>(y[n]) +
-              row[2] * static_cast<double>(z[n]) + row[3];
-      isInside = isInside && std::fabs(at[i]) < 1 << 30;  // Also where it is no number.
-    }
-    if (isInside) {
-      if (interpolation == VoxelInterpolation::nearest) {
-        for (double& a : at) a += 0.5;
-      }
-      std::array<std::int64_t, 3> low;
-      std::array<float, 3> part;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const double floor = std::floor(at[i]);
-        low[i] = static_cast<std::int64_t>(floor);
-        part[i] = static_cast<float>(at[i] - floor);
-      }
-      if (interpolation == VoxelInterpolation::nearest) {
-        addVoxel(low[0], low[1], low[2], times[n], 1, sums);
-      } else if (interpolation == VoxelInterpolation::trilinear) {
-        for (int corner = 0; corner < 8; ++corner) {
-          const int dx = corner >> 2, dy = corner >> 1 & 1, dz = corner & 1;
-          const float weight =
-              (dx ? part[0] : 1 - part[0]) * (dy ? part[1] : 1 - part[1]) * (dz ? part[2] : 1 - part[2]);
-          if (weight != 0) addVoxel(low[0] + dx, low[1] + dy, low[2] + dz, times[n], weight, sums);
-        }
-      } else {
-        const auto wx = splineWeights(part[0]), wy = splineWeights(part[1]), wz = splineWeights(part[2]);
-        for (std::size_t corner = 0; corner < 64; ++corner) {
-          const std::size_t dx = corner / 16, dy = corner / 4 % 4, dz = corner % 4;
-          addVoxel(low[0] + static_cast<std::int64_t>(dx) - 1, low[1] + static_cast<std::int64_t>(dy) - 1,
-                   low[2] + static_cast<std::int64_t>(dz) - 1, times[n], wx[dx] * wy[dy] * wz[dz], sums);
-        }
-      }
-    }
-    for (std::size_t c = 0; c < static_cast<std::size_t>(curves_.channels); ++c) results[c * count + n] = sums[c];
-  }
+  lookUp(
+      interpolation, tables_,
+      {.fileToIndex = fileToIndex_.data(), .count = count, .x = x, .y = y, .z = z, .results = results, .times = times});
 }
 
 VoxelRange TemporalGrid::range(VoxelInterpolation interpolation, const std::array<double, 3>& lower,

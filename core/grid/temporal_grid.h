@@ -9,6 +9,7 @@
 
 #include "core/base/voxel_grid.h"
 #include "core/grid/temporal_file.h"
+#include "core/grid/temporal_lookup.h"
 
 namespace aerosol::grid {
 
@@ -40,17 +41,15 @@ class TemporalGrid final : public VoxelGrid {
   explicit TemporalGrid(TemporalCurves curves) : curves_(std::move(curves)) {}
   bool index(std::string& problem);
   void describe();
-  std::int32_t blockAt(std::int64_t x, std::int64_t y, std::int64_t z) const;
-  void addVoxel(std::int64_t x, std::int64_t y, std::int64_t z, float time, float weight, float* sums) const;
-  float valueOf(std::size_t block, std::size_t curve, float time) const;
+  void setTables();
 
   TemporalCurves curves_;
   VoxelGridInfo info_;
   std::array<double, 12> fileToIndex_{};
   std::array<std::int64_t, 3> first_{}, size_{};  ///< Of the blocks, in blocks.
   std::vector<std::int32_t> blocks_;              ///< z fastest: number of the block, or -1.
-  std::vector<std::uint64_t> begins_;             ///< By block: its first knot.
-  std::vector<std::uint32_t> rows_;               ///< By row of eight curves: its first knot, counted from the block's.
+  std::vector<std::int32_t> rows_;                ///< By row of curves: its first knot.
+  CurveTables tables_;                            ///< What lookups see of all this.
   std::vector<Span> spans_;                       ///< By block and channel.
   std::array<Span, 3> total_{};                   ///< The background included.
 };

@@ -40,10 +40,13 @@ std::int64_t count(double size, double voxel) {
 
 Result<CameraFrustum> makeCameraFrustum(const scene::Sensor& sensor, const scene::Film& film, const Box<World>& bounds,
                                         const FrustumOptions& options) {
-  const Camera camera(sensor, film);
+  scene::Sensor still = sensor;
+  still.shutterOpen = options.time;
+  still.shutterClose = options.time;
+  const Camera camera(still, film);
   if (camera.isOrthographic())
     return Diagnostic{Severity::error, {}, "an orthographic camera has no frustum", {}, {"bake without --frustum"}};
-  const Transform<World, aerosol::Camera> toWorld = camera.toWorld(sensor.shutter().open);
+  const Transform<World, aerosol::Camera> toWorld = camera.toWorld(options.time);
   const Matrix4 toCamera = toWorld.inverseMatrix();
   const auto [near, far] = depthsOf(camera, toCamera, bounds);
   if (!(near > 0 && near < far))

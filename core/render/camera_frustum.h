@@ -18,6 +18,7 @@ struct FrustumOptions {
   double voxelSize = 0;  ///< Width of a voxel at the near end, > 0. Farther away they are wider, as the view is.
   int slices = 0;        ///< Voxels along the depth; 0: about as deep, in the middle, as they are wide there.
   FrustumDepth depth = FrustumDepth::linear;
+  float time = 0;  ///< Of a camera that moves, seconds.
 };
 
 /// Voxels 0 to size - 1 fill what the camera sees of the depths between the ends of a box.
@@ -28,7 +29,7 @@ struct CameraFrustum {
 };
 
 /// An error, without a place, for cameras without perspective and boxes that none of is in front of the camera. A
-/// camera that moves is taken as it is when its shutter opens; a lens as a pinhole.
+/// lens is taken as a pinhole.
 Result<CameraFrustum> makeCameraFrustum(const scene::Sensor& sensor, const scene::Film& film, const Box<World>& bounds,
                                         const FrustumOptions& options);
 

@@ -6,6 +6,7 @@
 
 #include "core/render/aov/path_record.h"
 #include "core/render/medium_walk.h"
+#include "core/render/nesting.h"
 #include "core/render/prepared_scene.h"
 
 namespace aerosol::render {
@@ -111,9 +112,10 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
   }
   const float pdf = light->pdf * choice->probability;
   const auto byPlace = static_cast<float>(vertex.rivalry(choice->id()) * static_cast<double>(light->pdf));
-  const Color transmittance =
-      co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
-                                     vertex.mediaTowards(light->direction));
+  const Ray<World> ray = shadowRay(vertex, *light, time);
+  if (liesBehindFace(path, ray, *light)) co_return Color();
+  const Color transmittance = co_await estimateTransmittance(path, ray, vertex.mediumTowards(light->direction),
+                                                             vertex.mediaTowards(light->direction));
   if (path.record) path.record->noteLight(choice->index, light->direction, path.wentStraight);
   // Behind a surface that bends light, what a path meets is not counted.
   const float byDirection = light->isDelta || path.wentStraight ? 0.0f : vertex.pdf(light->direction);
@@ -141,9 +143,10 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   }
 
   const auto directionPdf = static_cast<double>(light->pdf);
-  const Color transmittance =
-      co_await estimateTransmittance(path, shadowRay(vertex, *light, time), vertex.mediumTowards(light->direction),
-                                     vertex.mediaTowards(light->direction));
+  const Ray<World> ray = shadowRay(vertex, *light, time);
+  if (liesBehindFace(path, ray, *light)) co_return Color();
+  const Color transmittance = co_await estimateTransmittance(path, ray, vertex.mediumTowards(light->direction),
+                                                             vertex.mediaTowards(light->direction));
   if (path.record) path.record->noteLight(choice.light.light, light->direction, path.wentStraight);
   const double byDirection =
       light->isDelta || path.wentStraight ? 0 : static_cast<double>(vertex.pdf(light->direction));

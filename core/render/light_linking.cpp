@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/lang/closure_values.h"
+#include "core/shading/instance_values.h"
 
 namespace aerosol::render {
 
@@ -10,6 +11,20 @@ bool LightLinking::emits(const volume::Medium& medium) const {
   if (const VolumeLook* look = scene_.lookOf(medium.index); look && look->emission == 0) return false;
   const auto& sites = scene_.shading.family(scene_.mediumShaders[medium.index]).program->closureSites;
   return std::ranges::any_of(sites, [](const lang::ClosureSite& site) { return lang::isEmitting(site.closure); });
+}
+
+/// Whether its parameters are such that it gives no light anywhere.
+bool LightLinking::isDark(const volume::Medium& medium) const {
+  const shading::InstanceRef shader = scene_.mediumShaders[medium.index];
+  const lang::Program& program = *scene_.shading.family(shader).program;
+  const lang::Program own = lang::specialise(program, shading::valuesOf(program, scene_.shading.instance(shader)));
+  return std::ranges::all_of(own.outputs, [&](const lang::Output& output) {
+    const lang::Variable& variable = own.variables[output.variable];
+    const auto* floats = std::get_if<std::vector<float>>(&variable.value);
+    const bool isZero = variable.storage == lang::Storage::constant && floats &&
+                        std::ranges::all_of(*floats, [](float value) { return value == 0; });
+    return output.kind != lang::OutputKind::emission || isZero;
+  });
 }
 
 void LightLinking::findCandidates() {
@@ -63,11 +78,14 @@ Diagnostics LightLinking::read(const CopyMedium& copy) {
   const auto links = [](const scene::Volume& volume) { return !volume.controls.lights.empty(); };
   if (std::ranges::none_of(description_.volumes, links)) return errors;
   findCandidates();
-  std::vector<std::string> ids;
-  for (const Candidate& candidate : candidates_) ids.push_back(candidate.id);
+  std::vector<std::string> ids, shining;
+  for (const Candidate& candidate : candidates_) {
+    ids.push_back(candidate.id);
+    if (!candidate.medium || !isDark(scene_.media[*candidate.medium])) shining.push_back(candidate.id);
+  }
   for (std::size_t i = 0; i < description_.volumes.size(); ++i) {
     if (!links(description_.volumes[i])) continue;
-    auto named = namedLights(description_.volumes[i], ids);
+    auto named = namedLights(description_.volumes[i], ids, shining);
     if (!named) {
       errors.append(named.errors());
       continue;

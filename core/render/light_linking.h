@@ -32,6 +32,7 @@ class LightLinking {
   };
   void findCandidates();
   bool emits(const volume::Medium& medium) const;
+  bool isDark(const volume::Medium& medium) const;
   std::uint32_t setOf(std::vector<bool> named);
   std::unique_ptr<LinkedLights> seenBy(const std::vector<bool>& named, const CopyMedium& copy);
 

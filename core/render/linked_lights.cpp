@@ -6,7 +6,8 @@
 
 namespace aerosol::render {
 
-Result<std::vector<bool>> namedLights(const scene::Volume& volume, std::span<const std::string> ids) {
+Result<std::vector<bool>> namedLights(const scene::Volume& volume, std::span<const std::string> ids,
+                                      std::span<const std::string> shining) {
   std::vector<bool> named(ids.size(), false);
   const std::string& list = volume.controls.lights;
   if (list == "none") return named;
@@ -22,7 +23,7 @@ Result<std::vector<bool>> namedLights(const scene::Volume& volume, std::span<con
     }
     if (!isKnown) {
       std::string known;
-      for (const std::string& id : ids) {
+      for (const std::string& id : shining) {
         if (!id.empty()) known += (known.empty() ? "" : ", ") + id;
       }
       return Diagnostic{Severity::error,

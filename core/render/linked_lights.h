@@ -34,6 +34,7 @@ struct LinkedLights {
 
 /// By candidate, whether the volume's `lights` name it. Candidates without an id have an empty one. An error at the
 /// parameter lists the ids there are.
-Result<std::vector<bool>> namedLights(const scene::Volume& volume, std::span<const std::string> ids);
+Result<std::vector<bool>> namedLights(const scene::Volume& volume, std::span<const std::string> ids,
+                                      std::span<const std::string> shining);
 
 }  // namespace aerosol::render

@@ -82,6 +82,16 @@ std::optional<Interior> boundaryInterior(const PreparedScene& scene, std::uint32
   return interior;
 }
 
+bool liesBehindFace(PathContext& path, Ray<World> ray, const LightSample& light) {
+  const PreparedScene& scene = path.scene();
+  if (!scene.lightsMeetFaces || light.normal == Normal<World>() || !std::isfinite(light.distance)) return false;
+  const float end = length(light.point - ray.origin);
+  ray.tMin = ray.tMax;
+  ray.tMax = end + std::max(end - ray.tMin, 0.0f);
+  const auto hit = scene.geometry->closestHit(ray, path.spans, path.statistics().accel);
+  return hit && hit->hasCompany && scene.objects[hit->object].saysInside && !scene.objects[hit->object].light;
+}
+
 volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::SurfaceHit hit) {
   const PreparedScene& scene = path.scene();
   Nesting nesting;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/accel/hit.h"
+#include "core/render/light.h"
 #include "core/render/path_context.h"
 #include "core/volume/medium_stack.h"
 #include "core/volume/task.h"
@@ -30,6 +31,10 @@ volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::Surf
 
 /// Crosses what `findNesting` found.
 void crossNesting(PathContext& path, const Nesting& nesting);
+
+/// Whether the surface of a light lies on a face that a ray meets first, by the order of objects: what comes through is
+/// bent, and found by the paths that go there. `ray` ends just before the light.
+bool liesBehindFace(PathContext& path, Ray<World> ray, const LightSample& light);
 
 /// What is inside of a surface that only bounds media; none where it says nothing of them.
 std::optional<volume::Interior> boundaryInterior(const PreparedScene& scene, std::uint32_t object);

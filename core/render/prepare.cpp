@@ -115,6 +115,36 @@ void findInitialMedia(Preparation& state) {
   state.scene->probesMedia = state.scene->changes || needsProbes(*state.scene, eye, reach);
 }
 
+/// Whether the bounds of a light touch those of a body.
+void findLightsOnFaces(Preparation& state) {
+  PreparedScene& scene = *state.scene;
+  const auto boxOf = [&](std::size_t object) {
+    Box<World> box = scene.geometry->surfaceBounds(static_cast<accel::ObjectId>(object));
+    for (int i = 0; i < 3; ++i) {
+      const float slack = 1e-5f * (std::fabs(box.lower[i]) + std::fabs(box.upper[i]));
+      box.lower[i] -= slack;
+      box.upper[i] += slack;
+    }
+    return box;
+  };
+  const auto touch = [](const Box<World>& a, const Box<World>& b) {
+    for (int i = 0; i < 3; ++i) {
+      if (a.lower[i] > b.upper[i] || b.lower[i] > a.upper[i]) return false;
+    }
+    return !a.isEmpty() && !b.isEmpty();
+  };
+  std::vector<Box<World>> bodies;
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    if (scene.objects[i].saysInside) bodies.push_back(boxOf(i));
+  }
+  for (std::size_t i = 0; i < scene.objects.size() && !bodies.empty(); ++i) {
+    if (!scene.objects[i].light) continue;
+    const Box<World> box = boxOf(i);
+    scene.lightsMeetFaces = scene.lightsMeetFaces.isCalledFor() ||
+                            std::ranges::any_of(bodies, [&](const Box<World>& body) { return touch(body, box); });
+  }
+}
+
 /// What this build leaves out and the scene calls for.
 void refuseMissingEffects(Preparation& state) {
   if (hasOptionalEffects) return;
@@ -155,6 +185,7 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   addLights(state);
   if (state.errors.hasErrors()) return fail(state);
   describeObjects(state);
+  findLightsOnFaces(state);
   findInitialMedia(state);
   decideAovs(state);
   refuseMissingEffects(state);

@@ -39,6 +39,7 @@ struct PreparedObject {
   const volume::Medium* interior = nullptr;  ///< On the side away from the normal; null: vacuum.
   const volume::Medium* exterior = nullptr;
   std::optional<int> priority;           ///< Of the interior, where no closure describes one.
+  bool saysInside = false;               ///< A closure of its material describes the interior.
   bool passesShadows = false;            ///< Its material has an answer of its own for shadow rays.
   bool facesViewer = false;              ///< Shaders are told normals towards the viewer.
   bool clipsVolumes = false;             ///< The interior rules out volume primitives too.
@@ -146,6 +147,7 @@ struct PreparedScene {
   std::unique_ptr<const AovPlan> aovs;  ///< Null when none are asked for; films with its layout gather them.
   std::uint32_t loopBudget = 1u << 20;
   std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();
+  EffectSwitch lightsMeetFaces;  ///< Some light may lie on a face of a material that says what is inside.
 
   const accel::TriangleMesh* meshWithAttributes(shading::InstanceRef shader) const {
     if (shader.family >= attributeMeshes.size()) return nullptr;

@@ -80,12 +80,20 @@ struct VolumeArguments {
   std::filesystem::path file(const std::string& parameter) const;
 };
 
+/// Voxel files that a volume is made of: one, or two frames between which values are mixed.
+struct VolumeFiles {
+  std::vector<std::string> names;
+  float blend = 0;  ///< The part of the second, from 0 to 1.
+};
+
 /// A volume primitive type: its parameters in scenes, where one is placed, and its shape.
 struct VolumeType {
   scene::VolumeType described;
   /// From the primitive's canonical space (a unit ball, the box [-1, 1]³ …), which is the "object" space of its shader.
   std::function<Transform<World, Object>(const scene::Volume&)> place;
   std::function<Result<std::unique_ptr<const accel::VolumeShape>>(const VolumeArguments&)> make;
+  /// Files in the shader's object space, whose grids are attributes of the volume. May be empty.
+  std::function<VolumeFiles(const scene::Volume&)> files = {};
 };
 
 /// Filled once by `registerPlugins`, then const. Names are unique within a kind.

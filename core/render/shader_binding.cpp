@@ -238,10 +238,12 @@ std::optional<lang::GivenValue> givenValue(const lang::Program& program, const s
 
 Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
                                         const Transform<World, Object>& objectToWorld, const ShaderSources& sources,
-                                        shading::ShadingSystem& shading, Diagnostics& warnings) {
+                                        shading::ShadingSystem& shading, Diagnostics& warnings,
+                                        const BoundChange& change) {
   const bool isGroup = use.code || !use.inputs.empty();
   auto bound = isGroup ? bindGroup(use, kind, sources, warnings) : bindSingle(use, kind, sources, warnings);
   if (!bound) return bound.errors();
+  if (change) change(*bound);
   shading::Instance instance;
   instance.objectToWorld = objectToWorld;
   instance.values = std::move(bound->values);

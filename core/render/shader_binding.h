@@ -1,6 +1,7 @@
 // From a shader as a scene names it to an instance of its program.
 #pragma once
 
+#include <functional>
 #include <string_view>
 
 #include "core/lang/fold.h"
@@ -18,12 +19,16 @@ struct ShaderSources {
   const std::vector<scene::ShaderUse>& layers;  ///< Of the scene.
 };
 
+/// Changes what is bound before it becomes an instance; may be empty.
+using BoundChange = std::function<void(shading::BoundGroup&)>;
+
 /// Finds the program or builds the group, checks that it is of `kind` ("volume", "surface"), and converts the
 /// parameters to the types that it declares. Every unknown parameter and every value that does not fit is an error at
 /// its place.
 Result<shading::InstanceRef> bindShader(const scene::ShaderUse& use, std::string_view kind,
                                         const Transform<World, Object>& objectToWorld, const ShaderSources& sources,
-                                        shading::ShadingSystem& shading, Diagnostics& warnings);
+                                        shading::ShadingSystem& shading, Diagnostics& warnings,
+                                        const BoundChange& change = {});
 
 /// A scene's value as one of the shading language.
 lang::Constant constantOf(const scene::Value& value);

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/lang/voxel_density.h"
+#include "core/shading/instance_values.h"
 
 namespace aerosol::render {
 
@@ -19,13 +20,6 @@ using Fields = std::map<std::pair<const VoxelGrid*, VoxelKernel>, std::shared_pt
 bool readsVoxels(const lang::Program& program) {
   const auto isLookup = [](const lang::FunctionUse& function) { return function.symbol == "texture3d"; };
   return program.isVolume() && std::ranges::any_of(program.functions, isLookup);
-}
-
-lang::ParameterValues valuesOf(const lang::Program& program, const shading::Instance& instance) {
-  lang::ParameterValues values;
-  for (std::uint32_t i = 0; i < program.parameters.size(); ++i) values[i] = {};
-  for (const shading::ParameterValue& value : instance.values) values[value.parameter] = value.value;
-  return values;
 }
 
 Color toColor(const std::array<float, 3>& c) { return {c[0], c[1], c[2]}; }
@@ -81,7 +75,7 @@ void findVoxelMedia(PreparedScene& scene, const std::function<bool(std::uint32_t
     const VolumeLook* const look = scene.lookOf(medium.index);
     // Ramps over the density are no factors.
     if (look && !(look->densityRamp.empty() && look->colorRamp.empty())) continue;
-    const auto density = lang::findVoxelDensity(*family.program, valuesOf(*family.program, instance));
+    const auto density = lang::findVoxelDensity(*family.program, shading::valuesOf(*family.program, instance));
     const auto kernel = density ? kernelOf(density->lookup.interpolation) : std::nullopt;
     const VoxelGrid* const grid = kernel ? gridOf(scene, density->lookup) : nullptr;
     const auto toIndex = grid ? objectToIndex(grid->info()) : std::nullopt;

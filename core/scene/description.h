@@ -338,6 +338,7 @@ struct Shape {
   bool flipNormals = false;
   bool facesViewer = false;  ///< Shaders are told N and Ng turned towards the viewer.
   bool faceNormals = false;
+  bool repair = true;  ///< Of meshes that bound a medium: turn faces and close holes.
   std::optional<bool>
       flipTexCoords;  ///< Of meshes from files: v of the file counts from below. Not given: of obj it does.
   Index material = 0;

@@ -34,14 +34,17 @@ std::vector<Field<Shape>> shapeFields(bool fromFile) {
       field<&Shape::priority>({.name = "priority",
                                .doc = "of the interior medium (or of empty space inside, without one): where surfaces "
                                       "overlap the higher is there; 0 takes no part; a material with a medium of its "
-                                      "own has its own",
-                               .range = Range::atLeast(0)}),
+                                      "own has its own"}),
       field<&Shape::clipVolumes>(
           {.name = "clip_volumes", .doc = "where this shape's inside rules there are no volume primitives"})};
   fields.push_back(lightGroupField<Shape>("of all that shines from it, as of an emitter"));
   if (!fromFile) return fields;
   fields.push_back(
       field<&Shape::faceNormals>({.name = "face_normals", .doc = "flat triangles: normals of the file are not used"}));
+  fields.push_back(field<&Shape::repair>(
+      {.name = "repair",
+       .doc = "where the material says what is inside: faces that disagree with their neighbours which side is outside "
+              "are turned around, and holes are closed, with a warning; false: the mesh is taken as it is"}));
   fields.push_back(field<&Shape::flipTexCoords>({.name = "flip_tex_coords",
                                                  .doc = "the file's v runs upwards, that of images downwards",
                                                  .defaultText = "true for obj, false for others"}));

@@ -198,6 +198,13 @@ VoxelInterpolation interpolationOf(const std::string& word) {
   return word == "trilinear" ? VoxelInterpolation::trilinear : VoxelInterpolation::tricubic;
 }
 
+/// None where the names are wrong, which `make` reports.
+VolumeFiles frameFilesOf(const scene::Volume& volume) {
+  auto names = frameFiles(volume);
+  const float frame = volume.get<float>("frame") + volume.get<float>("frame_offset");
+  return names ? VolumeFiles{std::move(*names), frame - std::floor(frame)} : VolumeFiles{};
+}
+
 Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& arguments) {
   const auto files = frameFiles(arguments.volume);
   if (!files) return files.errors();
@@ -276,7 +283,8 @@ void registerVolume_grid(Registry& registry) {
                            "where texture3d reads it",
                     .parameters = parameters()},
       .place = [](const scene::Volume& volume) { return volume.toWorld; },
-      .make = make});
+      .make = make,
+      .files = frameFilesOf});
 }
 
 }  // namespace aerosol::render

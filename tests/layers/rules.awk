@@ -111,7 +111,7 @@ function outside(path, line, name, prefix) {
     if (startsWith(name, "llvm/") && startsWith(path, "core/lang/preprocessor/")) continue
     # Tests and benchmarks of voxel data compare with the libraries' own.
     if (home[prefix] == "core/grid/" && (startsWith(path, "tests/unit/grid/") ||
-        startsWith(path, "tests/bench/voxel") || startsWith(path, "tests/support/bake/"))) continue
+        startsWith(path, "tests/bench/places/lookups") || startsWith(path, "tests/support/bake/"))) continue
     if (!startsWith(path, home[prefix])) report(path, line, "<" name "> belongs in " home[prefix])
     if (prefix == "clang/") clangFiles[path] = line
     carries[path, prefix] = 1

@@ -7,6 +7,7 @@
 #include "core/app/run.h"
 #include "core/grid/grid_file.h"
 #include "tests/render/stills.h"
+#include "tests/support/effort.h"
 #include "tests/support/scratch_folder.h"
 
 // aerosol bake: baked media against the shaders that they are made of.
@@ -118,6 +119,7 @@ TEST_F(Bake, TemporalAndScriptedAgree) {
   EXPECT_TRUE(showTheSame(*scripted.render(1024), *baked.render(1024)));
 }
 
+/// 256 stills with AEROSOL_WHOLE_TESTS=1, otherwise 24.
 TEST_F(Bake, TemporalAgainstStills) {
   bake("travelling -o " + path("ball.avt") +
        " --bounds -1,-1,-0.6,1,1,0.6 --voxel 0.1 --temporal --error 0.01 --time 0,1,9 -q");
@@ -129,7 +131,7 @@ TEST_F(Bake, TemporalAgainstStills) {
                                      path("ball.avt")));
   };
   int seed = 0;
-  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, 24, 86);
+  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, effort(24, 256), 86);
   EXPECT_TRUE(showsTheMean(*load(0, 1, 0).render(2048), mean));
 }
 
@@ -161,6 +163,7 @@ TEST_F(Bake, BadCommandsAreRefused) {
       {"cumulus" + out + bounds + " --voxel 0", "not a number greater than 0"},
       {"cumulus" + out + " --voxel 1 --bounds 1,1,1,-1,1,1", "greater corner first"},
       {"cumulus" + out + bounds + " --voxel 1e-9", "too"},
+      {"cumulus" + out + " --voxel 0.1 --bounds -1e30,-1e30,-1e30,1e30,1e30,1e30", "more than can be numbered"},
       {"cumulus -o " + path("x.txt") + bounds + " --voxel 1", "does not end in .vdb"},
       {"cumulus -o " + path("x.vdb") + bounds + " --voxel 1 --temporal", "does not end in .avt"},
       {"nonsense" + out + bounds + " --voxel 1", "nonsense"},

@@ -93,21 +93,49 @@ TEST_F(Frustums, BakedAndScriptedAgree) {
   }
 }
 
-/// The grid moves while the shutter is open.
+/// The grid moves while the shutter is open: it turns; the view that it fills opens and slides, as that of a camera
+/// which zooms and pans.
 TEST_F(Frustums, Moving) {
   std::string said;
   ASSERT_EQ(bake("drift -o " + path("m.vdb") + " --frustum " + path("camera.xml") + " --voxel 0.012" + ball, said),
             app::ExitCode::success)
       << said;
-  const std::string motion = R"(<animation name="to_world"><transform time="0"><translate x="-0.5"/></transform>
-      <transform time="1"><rotate z="1" angle="40"/><translate x="0.5" y="0.2"/></transform></animation>)";
   const TestSensor sensor{.width = 12, .height = 12, .medium = shutter(0, 1)};
   TestSensor other = sensor;
   other.seed = 1;
-  const TestScene expected = loadScene(depth, sensor, scripted(motion));
-  const TestScene scene = loadScene(depth, other, baked("m.vdb", motion));
-  ASSERT_TRUE(expected.scene() && scene.scene());
-  EXPECT_TRUE(showTheSame(*expected.render(1024), *scene.render(1024)));
+  for (const char* last : {R"(<rotate z="1" angle="40"/><translate x="0.5" y="0.2"/>)",
+                           R"(<matrix value="1.5 0 0.3 0.1  0 0.7 -0.2 0  0 0 1 0.2  0 0 0 1"/>)"}) {
+    const std::string motion = fmt::format(R"(<animation name="to_world"><transform time="0"><translate x="-0.5"/>
+        </transform><transform time="1">{}</transform></animation>)",
+                                           last);
+    const TestScene expected = loadScene(depth, sensor, scripted(motion));
+    const TestScene scene = loadScene(depth, other, baked("m.vdb", motion));
+    ASSERT_TRUE(expected.scene() && scene.scene());
+    EXPECT_TRUE(showTheSame(*expected.render(1024), *scene.render(1024))) << last;
+  }
+}
+
+/// A camera that moves: each frame of a sequence stands in what is seen at its time.
+TEST_F(Frustums, FramesOfAMovingCamera) {
+  writeCamera("moving.xml", R"(<sensor type="perspective"><animation name="to_world">
+      <transform time="0"><lookat origin="0, 0, -4" target="0, 0, 0" up="0, 1, 0"/></transform>
+      <transform time="1"><lookat origin="3, 0, -4" target="3, 0, 0" up="0, 1, 0"/></transform></animation>
+      <float name="fov" value="60"/></sensor>)");
+  std::string said;
+  ASSERT_EQ(
+      bake("drift -o " + path("f.%d.vdb") + " --frustum " + path("moving.xml") + " --voxel 0.1 --time 0,1,3" + ball,
+           said),
+      app::ExitCode::success)
+      << said;
+  EXPECT_EQ(said.find("all frames are the same"), std::string::npos) << said;
+  for (int frame = 1; frame <= 3; ++frame) {
+    const auto file = grid::readGrids(path(fmt::format("f.{}.vdb", frame)));
+    ASSERT_TRUE(file);
+    const auto& frustum = (*file)->grids()[0]->info().frustum;
+    ASSERT_TRUE(frustum && frustum->eye);
+    EXPECT_NEAR((*frustum->eye)[0], 1.5 * (frame - 1), 1e-5);
+    EXPECT_NEAR((*frustum->eye)[2], -4, 1e-5);
+  }
 }
 
 TEST_F(Frustums, SayWhatIsWrong) {

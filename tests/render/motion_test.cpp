@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "tests/render/stills.h"
+#include "tests/support/effort.h"
 
 // What moves while the shutter is open: against closed forms, and against the mean of stills.
 
@@ -225,6 +226,7 @@ std::vector<Moved> moved() {
 INSTANTIATE_TEST_SUITE_P(Scenes, AgainstStills, ::testing::ValuesIn(moved()),
                          [](const auto& test) { return test.param.name; });
 
+/// 256 stills with AEROSOL_WHOLE_TESTS=1, otherwise 64.
 TEST_P(AgainstStills, IsTheirMean) {
   const auto load = [&](double open, double close, int seed) {
     // Lights are looked at by the floor that they light.
@@ -238,7 +240,7 @@ TEST_P(AgainstStills, IsTheirMean) {
   ASSERT_TRUE(scene.scene());
   EXPECT_TRUE(scene.scene()->changes);
   int seed = 0;
-  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, 64, 64);
+  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, effort(64, 256), 64);
   EXPECT_TRUE(showsTheMean(*scene.render(4096), mean));
 }
 

@@ -156,7 +156,9 @@ TEST_P(Overlaps, HaveTheStrongerMedium) {
   }));
 }
 
-INSTANTIATE_TEST_SUITE_P(Priorities, Overlaps, ::testing::Values(std::pair(2, 1), std::pair(1, 2), std::pair(1, 1)));
+INSTANTIATE_TEST_SUITE_P(Priorities, Overlaps,
+                         ::testing::Values(std::pair(2, 1), std::pair(1, 2), std::pair(1, 1), std::pair(-3, 1),
+                                           std::pair(-1, -3)));
 
 /// Fresnel's equations for unpolarised light, cosines by Snell's law.
 double transmitted(double n1, double n2, double sine) {

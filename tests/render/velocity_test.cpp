@@ -4,6 +4,7 @@
 
 #include "core/grid/grid_writer.h"
 #include "tests/render/stills.h"
+#include "tests/support/effort.h"
 #include "tests/support/scratch_folder.h"
 
 // Blur by velocity: a streak in closed form, against its translated copy, against stills.
@@ -128,7 +129,8 @@ TEST(VelocityAgainstTransformation, ATranslatedCopy) {
   EXPECT_TRUE(showTheSame(*blurred.render(2048), *moved.render(2048)));
 }
 
-/// 64 stills, one at a random time of each part of the shutter, of a velocity that differs from place to place.
+/// Stills, one at a random time of each part of the shutter, of a velocity that differs from place to place: 256 of
+/// them with AEROSOL_WHOLE_TESTS=1, otherwise 64.
 TEST(VelocityAgainstStills, IsTheirMean) {
   const auto load = [](double open, double close, int seed) {
     return loadScene(
@@ -139,7 +141,7 @@ TEST(VelocityAgainstStills, IsTheirMean) {
                               <vector name="wind" value="0.5, 0, 0"/><rgb name="albedo" value="0.8"/>)"));
   };
   int seed = 0;
-  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, 64, 32);
+  const MeanOfStills mean = meanOfStills([&](double t) { return load(t, t, ++seed); }, effort(64, 256), 32);
   EXPECT_TRUE(showsTheMean(*load(0, 1, 0).render(2048), mean));
 }
 

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "core/grid/module/nano_grid.h"
+
 namespace aerosol::grid {
 
 namespace {
@@ -129,6 +131,7 @@ openvdb::GridBase::Ptr readDenseFile(std::istream& stream) {
   }
   grid->setTransform(openvdb::math::Transform::createLinearTransform(map));
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  grid->insertMeta(paddedName, openvdb::BoolMetadata(true));
   return grid;
 }
 

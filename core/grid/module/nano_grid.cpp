@@ -133,8 +133,8 @@ class NanoGrid final : public VoxelGrid {
   static constexpr std::size_t channels = sizeof(ValueT) / sizeof(float);
   using Tree = nanovdb::NanoTree<ValueT>;
 
-  NanoGrid(VoxelGridInfo info, nanovdb::GridHandle<> handle, const VoxelMap& map)
-      : info_(std::move(info)), handle_(std::move(handle)), grid_(handle_.grid<ValueT>()) {
+  NanoGrid(VoxelGridInfo info, nanovdb::GridHandle<> handle, const VoxelMap& map, bool isPadded)
+      : info_(std::move(info)), handle_(std::move(handle)), grid_(handle_.grid<ValueT>()), isPadded_(isPadded) {
     for (std::size_t r = 0; r < 3; ++r) {
       std::ranges::copy(map.numerator[r], fileToIndex_ + 4 * r);
       std::ranges::copy(map.denominator[r], divisors_ + 4 * r);
@@ -154,18 +154,17 @@ class NanoGrid final : public VoxelGrid {
 
   void sample(VoxelInterpolation interpolation, std::size_t count, const float* x, const float* y, const float* z,
               float* results) const override {
-    const LookupArguments arguments{directory_ ? &*directory_ : nullptr,
-                                    fileToIndex_,
-                                    info_.frustum ? divisors_ : nullptr,
-                                    count,
-                                    x,
-                                    y,
-                                    z,
-                                    results};
+    const LookupPoints points{.fileToIndex = fileToIndex_,
+                              .divisors = info_.frustum ? divisors_ : nullptr,
+                              .count = count,
+                              .x = x,
+                              .y = y,
+                              .z = z,
+                              .results = results};
     if (directory_) {
-      lookUp(interpolation, arguments);
+      lookUp(interpolation, *directory_, points);
     } else {
-      ScalarLookup<ValueT>(*grid_).lookUp(interpolation, arguments);
+      ScalarLookup<ValueT>(*grid_).lookUp(interpolation, points);
     }
   }
 
@@ -231,10 +230,11 @@ class NanoGrid final : public VoxelGrid {
     std::memcpy(floats, &value, sizeof value);
     for (std::size_t c = 0; c < channels; ++c) {
       total_[c].add(floats[c]);
+      const std::uint64_t counted = isActive || !isPadded_ ? count : 0;
       if (std::isnan(floats[c])) {
-        info_.nanValues += count;
+        info_.nanValues += counted;
       } else if (std::isinf(floats[c])) {
-        info_.infiniteValues += count;
+        info_.infiniteValues += counted;
       } else if (isActive) {
         active_[c].add(floats[c]);
       }
@@ -272,6 +272,7 @@ class NanoGrid final : public VoxelGrid {
   VoxelGridInfo info_;
   nanovdb::GridHandle<> handle_;
   const nanovdb::NanoGrid<ValueT>* grid_;
+  bool isPadded_;
   double fileToIndex_[12] = {}, divisors_[12] = {};
   std::optional<Directory> directory_;
   ChannelRanges active_, total_;
@@ -294,7 +295,8 @@ std::unique_ptr<VoxelGrid> convert(const openvdb::Grid<TreeT>& grid, VoxelGridIn
   }
   auto handle = nanovdb::openToNanoVDB<nanovdb::HostBuffer, TreeT, NanoT>(
       static_cast<const openvdb::Grid<TreeT>&>(*source), StatsMode::All, ChecksumMode::Disable);
-  return std::make_unique<NanoGrid<NanoT>>(std::move(info), std::move(handle), map);
+  const bool isPadded = bool(grid.template getMetadata<openvdb::BoolMetadata>(paddedName));
+  return std::make_unique<NanoGrid<NanoT>>(std::move(info), std::move(handle), map, isPadded);
 }
 
 /// A grid of another type of value, value by value to float (or three floats).

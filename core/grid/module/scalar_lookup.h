@@ -1,5 +1,5 @@
 // Interpolated values point by point, through NanoVDB's tree: for grids whose extent no directory covers. Internal to
-// the module. The arithmetic is that of lookup_lanes.inc.
+// the module. The arithmetic is that of interpolate_lanes.inc.
 #pragma once
 
 #include <nanovdb/NanoVDB.h>
@@ -18,7 +18,7 @@ class ScalarLookup {
 
   explicit ScalarLookup(const nanovdb::NanoGrid<ValueT>& grid) : accessor_(grid.getAccessor()) {}
 
-  void lookUp(VoxelInterpolation interpolation, const LookupArguments& a) {
+  void lookUp(VoxelInterpolation interpolation, const LookupPoints& a) {
     for (std::size_t i = 0; i < a.count; ++i) {
       locate(a, i, interpolation == VoxelInterpolation::nearest ? 0.5 : 0.0);
       float result[channels];
@@ -34,7 +34,7 @@ class ScalarLookup {
   }
 
  private:
-  void locate(const LookupArguments& a, std::size_t i, double offset) {
+  void locate(const LookupPoints& a, std::size_t i, double offset) {
     constexpr double far = 1073741824.0;
     const double p[3] = {static_cast<double>(a.x[i]), static_cast<double>(a.y[i]), static_cast<double>(a.z[i])};
     for (int r = 0; r < 3; ++r) {

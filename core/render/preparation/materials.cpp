@@ -160,7 +160,7 @@ void describeMaterial(Preparation& state, PreparedObject& object) {
     if (object.closures[i] && object.closures[i]->kind() == ClosureKind::output)
       findOutput(state, folded, index, object);
     const bool isInterior = object.closures[i] && object.closures[i]->kind() == ClosureKind::interior;
-    if (isInterior && !isWeightless(folded, index)) state.scene->nestsMedia = true;
+    if (isInterior && !isWeightless(folded, index)) state.scene->nestsMedia = object.saysInside = true;
     const bool isBody = object.closures[i] && object.closures[i]->kind() == ClosureKind::subsurface;
     if (isBody && !isWeightless(folded, index)) state.scene->hasSubsurface = true;
   }

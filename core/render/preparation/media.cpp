@@ -20,9 +20,10 @@ namespace {
 constexpr Box<Object> unitCube{{-1, -1, -1}, {1, 1, 1}};
 
 const volume::Medium* placeMedium(Preparation& state, scene::Index index, const Transform<World, Object>& toWorld,
-                                  const scene::MediumSampling& sampling) {
+                                  const scene::MediumSampling& sampling, const BoundChange& change = {}) {
   const scene::ShaderUse& shader = state.description.media[index].shader;
-  auto bound = bindShader(shader, "volume", toWorld, state.shaderSources(), state.scene->shading, state.warnings);
+  auto bound =
+      bindShader(shader, "volume", toWorld, state.shaderSources(), state.scene->shading, state.warnings, change);
   if (!bound) {
     state.appendNew(bound.errors());
     return nullptr;
@@ -46,8 +47,8 @@ const volume::Medium* placeMedium(Preparation& state, scene::Index index, const 
 }
 
 const volume::Medium* placeMedium(Preparation& state, scene::Index index, const MovingPlace& placement,
-                                  const scene::MediumSampling& sampling) {
-  const volume::Medium* medium = placeMedium(state, index, placement.at(state.scene->shutter.open), sampling);
+                                  const scene::MediumSampling& sampling, const BoundChange& change = {}) {
+  const volume::Medium* medium = placeMedium(state, index, placement.at(state.scene->shutter.open), sampling, change);
   if (medium) state.scene->shading.setMotion(state.scene->mediumShaders[medium->index], placement);
   return medium;
 }
@@ -112,9 +113,12 @@ void placeVolume(Preparation& state, const scene::Volume& volume, const VolumeTy
   const auto motion = state.motionOf(volume.toWorld);
   const Transform<World, Object> local = type.place(state.standing(volume, motion != nullptr));
   const scene::MediumSampling sampling = state.description.samplingOf(volume);
+  const BoundChange readsGrids = [&](shading::BoundGroup& bound) {
+    if (type.files) state.gridAnswers.bind(bound, type.files(volume), *state.scene->services);
+  };
   const volume::Medium* const own =
-      motion ? placeMedium(state, volume.medium, MovingPlace(motion, asObject(local)), sampling)
-             : placeMedium(state, volume.medium, local, sampling);
+      motion ? placeMedium(state, volume.medium, MovingPlace(motion, asObject(local)), sampling, readsGrids)
+             : placeMedium(state, volume.medium, local, sampling, readsGrids);
   const scene::VolumeControls& controls = volume.controls;
   const volume::Medium *onShadowRays = own, *fromCamera = own;
   if (own) {
@@ -196,9 +200,9 @@ void placeMedia(Preparation& state) {
     const scene::Shape& shape = state.description.shapes[i];
     if (shape.interior) state.scene->objects[i].interior = placeMedium(state, *shape.interior, shape.toWorld);
     if (shape.exterior) state.scene->objects[i].exterior = placeMedium(state, *shape.exterior, shape.toWorld);
-    if (shape.priority > 0) state.scene->objects[i].priority = shape.priority;
+    if (shape.priority != 0) state.scene->objects[i].priority = shape.priority;
     state.scene->objects[i].clipsVolumes = shape.clipVolumes;
-    state.scene->nestsMedia = state.scene->nestsMedia || shape.priority > 0 || shape.clipVolumes;
+    state.scene->nestsMedia = state.scene->nestsMedia || shape.priority != 0 || shape.clipVolumes;
   }
   if (state.description.sensor.medium)
     state.scene->cameraMedium = placeMedium(state, *state.description.sensor.medium, scene::Placement<World, Object>());

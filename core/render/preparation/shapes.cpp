@@ -1,5 +1,8 @@
 #include "core/render/preparation/shapes.h"
 
+#include <fmt/format.h>
+
+#include "core/accel/closed_mesh.h"
 #include "core/accel/curved_mesh.h"
 #include "core/render/preparation/displacement.h"
 #include "core/render/preparation/materials.h"
@@ -30,6 +33,30 @@ Transform<World, Object> cylinderToWorld(const scene::Shape& shape, const Transf
   return {multiply(toWorld.matrix(), place.matrix()), multiply(place.inverseMatrix(), toWorld.inverseMatrix())};
 }
 
+/// Light that goes in must come out: a mesh of a material that says what is inside is made one that has an inside.
+void repairBody(Preparation& state, const scene::Shape& shape, accel::TriangleMesh& mesh) {
+  if (!shape.repair || findDefect(mesh)) return;
+  const auto index = static_cast<std::size_t>(&shape - state.description.shapes.data());
+  if (!state.scene->objects[index].saysInside) return;
+  const accel::MeshRepair repair = accel::closeBodies(mesh);
+  const auto warn = [&](std::string message, std::string note) {
+    state.warnings.warning(shape.origin.location, std::move(message), {std::move(note)});
+  };
+  const std::string note = "mend the mesh where it is modelled, or set 'repair' to false to take it as it is";
+  if (repair.turned > 0) {
+    warn(fmt::format("{} of the {} triangles of this mesh disagree with the others which side is outside, and its "
+                     "material says what is inside: they are turned around",
+                     repair.turned, mesh.triangles.size()),
+         note);
+  }
+  if (repair.closedHoles > 0) {
+    warn(fmt::format("this mesh has {} and its material says what is inside: {} closed with flat faces",
+                     repair.closedHoles == 1 ? "a hole" : fmt::format("{} holes", repair.closedHoles),
+                     repair.closedHoles == 1 ? "it is" : "they are"),
+         note);
+  }
+}
+
 Result<accel::TriangleMesh> meshOf(Preparation& state, const scene::Shape& shape,
                                    const Transform<World, Object>& toWorld) {
   using scene::ShapeType;
@@ -41,6 +68,7 @@ Result<accel::TriangleMesh> meshOf(Preparation& state, const scene::Shape& shape
     if (shape.flipTexCoords.value_or(shape.type == ShapeType::obj)) {
       for (accel::TexCoord& uv : mesh.uvs) uv.v = 1 - uv.v;
     }
+    repairBody(state, shape, mesh);
   } else {
     mesh = shape.type == ShapeType::cube ? accel::makeCube(toWorld) : accel::makeRectangle(toWorld);
   }

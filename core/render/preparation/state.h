@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/accel/scene.h"
+#include "core/render/grid_answers.h"
 #include "core/render/light_linking.h"
 #include "core/render/medium_preparation.h"
 #include "core/render/preparation/mesh_files.h"
@@ -71,6 +72,7 @@ struct Preparation {
   std::vector<std::optional<shading::InstanceRef>> displacements;  ///< By shape.
   MeshFiles meshFiles;
   LightLinking links;
+  GridAnswers gridAnswers;
   std::vector<Placement> placements;  ///< By medium index.
   std::vector<CoarseMedium> coarseMedia;
   Diagnostics errors;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "core/grid/overlay_grid.h"
+#include "tests/support/effort.h"
 
 namespace aerosol::grid {
 namespace {
@@ -171,14 +172,16 @@ std::pair<Triple, Triple> someLine(const Reference& reference, const VoxelMap& m
   return {origin, direction};
 }
 
+/// A million lines with AEROSOL_WHOLE_TESTS=1, otherwise 300,000.
 TEST(KdTrees, LinesThroughFrustums) {
+  const int lines = test::effort(100'000, 333'334);
   const std::vector<VoxelBox> boxes = someBoxes();
   const KdTree tree(boxes, VoxelInterpolation::trilinear);
   std::mt19937 random(9);
   for (const VoxelMap& map : {linearDepth(), projective(), affine()}) {
     const Reference reference(boxes, map);
     int hits = 0;
-    for (int i = 0; i < 12000; ++i) {
+    for (int i = 0; i < lines; ++i) {
       const auto [o, d] = someLine(reference, map, random, i % 5);
       const auto expected = cleaned(reference.walk(o, d), 1e-7), found = cleaned(walk(tree, map, o, d), 1e-7);
       // A line along a face, or one that touches an edge, may go either way by a rounding.
@@ -189,7 +192,7 @@ TEST(KdTrees, LinesThroughFrustums) {
         ++hits;
       }
     }
-    EXPECT_GT(hits, 5000);
+    EXPECT_GT(hits, lines / 3);
   }
 }
 

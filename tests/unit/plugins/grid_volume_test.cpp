@@ -126,6 +126,8 @@ TEST_F(GridVolumes, ValuesThatAreNoNumbersAreReported) {
   ASSERT_TRUE(make("bad.vol", ""));
   ASSERT_EQ(warnings_.entries().size(), 1u);
   EXPECT_EQ(warnings_.entries()[0].location.line, 7);
+  // The value around the box, which repeats it, is not another one.
+  EXPECT_NE(format(warnings_).find("holds 1 values that are no number and 0 infinite"), std::string::npos);
 }
 
 TEST_F(GridVolumes, AbsurdSizes) {

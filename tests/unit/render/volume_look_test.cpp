@@ -88,10 +88,12 @@ TEST(VolumeLooks, BadRampsAreErrorsAtTheirPlace) {
 }
 
 TEST(LightLinks, NameLightsById) {
-  const std::vector<std::string> ids{"key", "", "rim"};
-  EXPECT_EQ(*namedLights(volumeWith({.lights = "rim , key"}), ids), (std::vector<bool>{true, false, true}));
-  EXPECT_EQ(*namedLights(volumeWith({.lights = "none"}), ids), (std::vector<bool>{false, false, false}));
-  const auto wrong = namedLights(volumeWith({.lights = "key,fill"}), ids);
+  const std::vector<std::string> ids{"key", "", "rim", "burnt_out"}, shining{"key", "", "rim"};
+  EXPECT_EQ(*namedLights(volumeWith({.lights = "rim , key"}), ids, shining),
+            (std::vector<bool>{true, false, true, false}));
+  EXPECT_EQ(*namedLights(volumeWith({.lights = "none"}), ids, shining),
+            (std::vector<bool>{false, false, false, false}));
+  const auto wrong = namedLights(volumeWith({.lights = "key,fill"}), ids, shining);
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.errors().entries()[0].location.line, 5);
   EXPECT_EQ(wrong.errors().entries()[0].notes[0], "the lights are: key, rim");
