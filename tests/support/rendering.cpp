@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "core/app/plan/effects.h"
 #include "core/base/paths.h"
 #include "core/jit/compiler.h"
 #include "core/render/registry.h"
@@ -51,6 +52,7 @@ TestScene::TestScene(const std::string& xml, const SceneOptions& options) {
     return;
   }
   description_ = std::move(*loaded);
+  EXPECT_FALSE(app::removeEffects(options.without, *description_).hasErrors());
   const auto isa = options.isa ? std::optional<std::string_view>(*options.isa) : std::nullopt;
   const auto target = jit::chooseTarget(options.width, isa);
   if (!target) {
