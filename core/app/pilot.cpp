@@ -34,6 +34,7 @@ double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PE
 }  // namespace
 
 PilotReport renderPilot(const SceneSession& session, double seconds, std::uint32_t mostSamples) {
+  constexpr std::uint32_t leastSamples = 8;  // Of fewer nobody knows the error.
   PilotReport pilot;
   pilot.film = filmOf(session);
   render::RenderOptions options;
@@ -53,7 +54,7 @@ PilotReport renderPilot(const SceneSession& session, double seconds, std::uint32
     pilot.report.seconds += round.seconds;
     options.firstSample = end;
     pilot.samples = end;
-    if (pilot.report.seconds >= seconds || end == mostSamples) break;
+    if ((pilot.report.seconds >= seconds && end >= leastSamples) || end == mostSamples) break;
   }
   pilot.processorSeconds = processorSeconds() - before;
   return pilot;

@@ -105,9 +105,11 @@ std::unique_ptr<render::Film> TestScene::render(std::uint32_t samples) const {
 std::string TestSensor::xml() const {
   const std::string lookAt = fmt::format(
       R"(<transform name="to_world"><lookat origin="{}" target="{}" up="0, 1, 0"/></transform>)", origin, target);
+  const std::string angle =
+      type == "orthographic" ? std::string() : fmt::format(R"(<float name="fov" value="{}"/>)", fov);
   return fmt::format(
       R"(<sensor type="{}">{}
-        <float name="fov" value="{}"/>
+        {}
         <float name="near_clip" value="{}"/>
         <float name="far_clip" value="{}"/>
         <film type="hdrfilm">
@@ -118,7 +120,7 @@ std::string TestSensor::xml() const {
         <sampler type="{}"><integer name="seed" value="{}"/></sampler>
         {}
       </sensor>)",
-      type, placement.empty() ? lookAt : placement, fov, nearClip, farClip, width, height, sampler, seed, medium);
+      type, placement.empty() ? lookAt : placement, angle, nearClip, farClip, width, height, sampler, seed, medium);
 }
 
 std::string sceneXml(const std::string& integrator, const TestSensor& sensor, const std::string& content) {

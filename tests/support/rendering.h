@@ -56,7 +56,7 @@ class TestScene {
 struct TestSensor {
   std::string origin = "0, 0, -5";
   std::string target = "0, 0, 0";
-  double fov = 20;  ///< Degrees, of the width.
+  double fov = 20;  ///< Degrees, of the width; of no meaning to an orthographic one.
   int width = 16;
   int height = 16;
   std::string sampler = "independent";

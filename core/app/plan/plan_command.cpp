@@ -117,14 +117,18 @@ class Plan {
   }
 
   std::string table() const {
-    std::size_t width = 6;
-    for (const Effect& effect : effects_) width = std::max(width, effect.name.size());
-    std::string text = fmt::format("Effects of {}\n  {:<{}}  {:<8}  {:<3}  {:>7}  why\n",
-                                   arguments_.render.scene.filename().string(), "effect", width, "rows", "", "share");
+    std::size_t width = 6, rows = 4;
+    for (const Effect& effect : effects_) {
+      width = std::max(width, effect.name.size());
+      rows = std::max(rows, rowsOfEffect(effect.name).size());
+    }
+    std::string text =
+        fmt::format("Effects of {}\n  {:<{}}  {:<{}}  {:<3}  {:>7}  why\n", arguments_.render.scene.filename().string(),
+                    "effect", width, "rows", rows, "", "share");
     for (const bool isOn : {true, false}) {
       for (const Effect& effect : effects_) {
         if (effect.isOn != isOn) continue;
-        text += fmt::format("  {:<{}}  {:<8}  {:<3}  {:>7}  {}\n", effect.name, width, rowsOfEffect(effect.name),
+        text += fmt::format("  {:<{}}  {:<{}}  {:<3}  {:>7}  {}\n", effect.name, width, rowsOfEffect(effect.name), rows,
                             effect.isOn ? "on" : "off", shareOf(effect), effect.reason);
       }
     }

@@ -109,7 +109,7 @@ class Submission {
     const auto ranges = splitSamples(spp, arguments_.tasks);
     std::vector<std::string> outputs, merge{"merge", "--quiet"};
     const auto place = [&](const std::string& name) {
-      return fs::absolute(frame ? nameOfFrame(name, *frame) : name).string();
+      return name.empty() ? name : fs::absolute(frame ? nameOfFrame(name, *frame) : name).string();
     };
     for (const std::string& name : arguments_.render.outputs) outputs.insert(outputs.end(), {"-o", place(name)});
     const DeepArguments& deep = arguments_.render.deep;
