@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # test.sh: installs what is missing, builds everything and runs all tests; then the unit tests again with sanitizers and
-# without optimisation. `test.sh PRESET…` runs only those (release, sanitize, debug-O0, tsan). Fails when any test fails.
+# without optimisation, and all hard cases with sanitizers. `test.sh PRESET…` runs only those (release, sanitize, debug-O0,
+# tsan). Fails when any test fails.
 set -euo pipefail
 
 root=$(cd "${BASH_SOURCE[0]%/*}/.." && pwd)

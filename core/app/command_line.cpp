@@ -120,24 +120,7 @@ void addRender(CLI::App& program, RenderArguments& render) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app.add_option("--stats-file", render.statisticsFile)->group("");
   app.add_flag("--explain-cost", render.explainCost, "Print where the time went: shader by shader, and all the rest");
-  const auto aov = [&render](const std::string& option, const std::string& text) {
-    for (const std::string& part : scene::splitAovList(text)) {
-      const std::size_t equals = part.find('=');
-      const std::string quantity = equals == std::string::npos ? part : part.substr(equals + 1);
-      if (quantity.empty() || equals == 0) refuse(option, fmt::format("'{}' is not NAME or NAME=EXPRESSION", part));
-      render.aovs.push_back({part.substr(0, equals), quantity, {}});
-    }
-  };
-  app.add_option_function<std::vector<std::string>>(
-         "--aov",
-         [aov](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) aov("--aov", text);
-         },
-         "Add these layers to EXR files: direct, indirect, light_groups,\n"
-         "albedo, depth, error, cost, … (all of them: aerosol help aovs),\n"
-         "or light path expressions: --aov \"first=C<RD>L\"; repeatable")
-      ->allow_extra_args(false)
-      ->option_text("NAME[=EXPRESSION],...");
+  addAovOption(app, render.aovs);
   addDeepOptions(app, render.deep, true);
   addDisplayOptions(app, render.display);
   app.add_option("--tev", render.tev,

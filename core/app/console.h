@@ -21,6 +21,20 @@ struct Console {
   void report(const Diagnostic& diagnostic) const { note(format(diagnostic)); }
 };
 
+/// For work whose messages were told before.
+class SilentConsole {
+ public:
+  SilentConsole() : stream_(std::fopen("/dev/null", "w")) { console_.err = console_.out = stream_; }
+  ~SilentConsole() { std::fclose(stream_); }
+  SilentConsole(const SilentConsole&) = delete;
+  SilentConsole& operator=(const SilentConsole&) = delete;
+  const Console& get() const { return console_; }
+
+ private:
+  std::FILE* stream_;
+  Console console_;
+};
+
 /// The process's own streams.
 Console standardConsole();
 

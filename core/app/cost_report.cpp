@@ -28,6 +28,20 @@ constexpr std::array<std::string_view, phaseCount> phaseMeanings{"trackers, scat
 
 double number(std::uint64_t count) { return static_cast<double>(count); }
 
+const char* nameOf(volume::DistanceMethod method) {
+  switch (method) {
+    case volume::DistanceMethod::closedForm:
+      return "closed form";
+    case volume::DistanceMethod::analytic:
+      return "closed form of voxels";
+    case volume::DistanceMethod::marching:
+      return "marching";
+    case volume::DistanceMethod::nullScattering:
+      return "null scattering";
+  }
+  return "";
+}
+
 /// Counters of a render as one list, for a row of JSON each.
 struct Counter {
   const char* name;
@@ -151,11 +165,10 @@ std::string statisticsJson(const StatisticsRecord& record) {
   json.endObject();
   json.key("media").beginArray();
   for (std::size_t i = 0; i < record.scene.media.size(); ++i) {
-    static constexpr std::array<std::string_view, 3> methods{"closed form", "marching", "null scattering"};
     const volume::Medium& medium = record.scene.media[i];
     json.beginObject()
         .text("shader", record.scene.mediumNames[i])
-        .text("method", methods[static_cast<std::size_t>(medium.method)])
+        .text("method", nameOf(medium.method))
         .number("stepSize", static_cast<double>(medium.stepSize))
         .number("bound", medium.bound ? static_cast<double>(medium.bound->value) : 0)
         .endObject();

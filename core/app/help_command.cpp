@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/app/command_line.h"
+#include "core/app/plan/features.h"
 #include "core/app/registered_types.h"
 #include "core/app/shader_page.h"
 #include "core/app/toolchain.h"
@@ -53,12 +54,12 @@ std::string pages(const std::string& topic, const scene::KnownTypes& types, shad
 Diagnostic unknownTopic(const std::string& topic, const scene::KnownTypes& types,
                         const shading::ShaderLibrary& shaders) {
   const std::vector<std::string> commands = commandNames(), objects = sceneTopics(types), known = shaders.names();
-  std::vector<std::string> all{"scene", "aovs"};
+  std::vector<std::string> all{"scene", "aovs", "effects"};
   for (const auto* list : {&commands, &objects, &known}) all.insert(all.end(), list->begin(), list->end());
   Diagnostic error{Severity::error, {}, fmt::format("there is no help on '{}'", topic), {}, {}};
   if (const std::string near = didYouMean(topic, all); !near.empty()) error.notes.push_back(near);
   error.notes.push_back(fmt::format("commands: {}", fmt::join(commands, ", ")));
-  error.notes.push_back(fmt::format("scene format: scene, aovs, {}", fmt::join(objects, ", ")));
+  error.notes.push_back(fmt::format("scene format: scene, aovs, effects, {}", fmt::join(objects, ", ")));
   if (!known.empty()) error.notes.push_back(fmt::format("shaders: {}", fmt::join(known, ", ")));
   return error;
 }
@@ -98,6 +99,10 @@ ExitCode helpCommand(const HelpArguments& arguments, const Console& console) {
   const std::string& topic = arguments.topic;
   if (topic.empty() || contains(commandNames(), topic)) {
     console.print(commandHelp(topic));
+    return ExitCode::success;
+  }
+  if (topic == "effects") {
+    console.print(effectsPage());
     return ExitCode::success;
   }
   if (topic == "aovs") {

@@ -75,6 +75,8 @@ void addMethodOptions(CLI::App& app, RenderArguments& render);
 
 /// --ocio, --display, --view, --working-space, --exposure.
 void addDisplayOptions(CLI::App& app, image::DisplayOptions& display);
+/// --aov.
+void addAovOption(CLI::App& app, std::vector<scene::AovRequest>& aovs);
 /// --deep, --deep-error; `gathers`: also --deep-slices.
 void addDeepOptions(CLI::App& app, DeepArguments& deep, bool gathers);
 void addDenoise(CLI::App& program, DenoiseArguments& denoise);

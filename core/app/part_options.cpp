@@ -16,7 +16,7 @@ constexpr const char* mergeExamples = R"(Examples:
 The result has the bits of a render in one piece. Samples that are missing or there twice are errors.)";
 
 constexpr const char* studyExamples = R"(Examples:
-  aerosol study cloud.xml -o study/                                null scattering and marching with several steps
+  aerosol study cloud.xml -o study/                                methods, and marching with several steps
   aerosol study cloud.xml -o study/ --vary volume.step_scale=1,2,4,8,16
   aerosol study cloud.xml -o study/ --vary cumulus.octaves=3,5,7 --budget 10m
 
@@ -77,7 +77,7 @@ void addStudy(CLI::App& program, StudyArguments& study) {
            for (const std::string& text : texts) axis("--vary", text);
          },
          "Vary this instead of the method: a parameter as for --set, or\n"
-         "volume.step_scale, or distance; several give every combination")
+         "volume.step_scale, distance or transmittance; several give\nevery combination")
       ->allow_extra_args(false)
       ->option_text("PARAMETER=VALUE,...");
   const auto budget = [&study](const std::string& option, const std::string& text) {
@@ -110,8 +110,16 @@ void addScene(CLI::App& app, RenderArguments& render) {
 
 void addPlan(CLI::App& program, PlanArguments& plan) {
   CLI::App& app = *program.add_subcommand("plan", "List the effects that a scene calls for, why, and what they cost");
-  app.footer("What the plan says is off is not done: it costs nothing. --without forces an effect off.");
+  app.footer(R"(Examples:
+  aerosol plan cloud.xml
+  aerosol plan cloud.xml --without multiple-scattering    what it changes is rendered, and told
+  aerosol plan cloud.xml --deep cloud.exr                 what a deep image would cost (none is written)
+
+What the plan says is off is not done: it costs nothing. Shares are estimates, and may be parts of each other: those of media
+are parts of 'heterogeneity', and scattering has the share of all segments of paths that follow it. aerosol help effects explains the rows, and what --without changes.)");
   addScene(app, plan.render);
+  addAovOption(app, plan.render.aovs);
+  addDeepOptions(app, plan.render.deep, true);
   addInteger(app, "--size", plan.size, 1, "Pixels of the longer side of the pilot that costs come from [160]");
 }
 
@@ -157,9 +165,11 @@ lost or was run twice is found by the merge. Tasks that are started again go on 
   };
   addParsed(app, "--frames", "LIST", frames, "Frames, as for aerosol render");
   addInteger(app, "--tasks", submit.tasks, 1, "Parts into which the samples of each frame are cut [8]");
-  app.add_option("--folder", submit.folder, "For the job's files [NAME.job beside the first output]")
+  app.add_option("--folder", submit.folder, "For the job's files [NAME.job beside the first output,\nNAME.exr]")
       ->option_text("FOLDER");
   app.add_flag("--slurm", submit.slurm, "Give the job to Slurm (sbatch)");
+  addAovOption(app, submit.render.aovs);
+  addDeepOptions(app, submit.render.deep, true);
 }
 
 }  // namespace aerosol::app

@@ -1,5 +1,6 @@
 #include "core/app/command_line.h"
 #include "core/app/option_helpers.h"
+#include "core/scene/integrator_reader.h"
 
 // How pictures become those of a display, and the command that takes their noise away.
 
@@ -23,6 +24,27 @@ void addDisplayOptions(CLI::App& app, image::DisplayOptions& display) {
     display.exposure = *number;
   };
   addParsed(app, "--exposure", "STOPS", exposure, "Make .png and .jpg brighter: 1 doubles the light [0]");
+}
+
+void addAovOption(CLI::App& app, std::vector<scene::AovRequest>& aovs) {
+  const auto aov = [&aovs](const std::string& option, const std::string& text) {
+    for (const std::string& part : scene::splitAovList(text)) {
+      const std::size_t equals = part.find('=');
+      const std::string quantity = equals == std::string::npos ? part : part.substr(equals + 1);
+      if (quantity.empty() || equals == 0) refuse(option, fmt::format("'{}' is not NAME or NAME=EXPRESSION", part));
+      aovs.push_back({part.substr(0, equals), quantity, {}});
+    }
+  };
+  app.add_option_function<std::vector<std::string>>(
+         "--aov",
+         [aov](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) aov("--aov", text);
+         },
+         "Add these layers to EXR files: direct, indirect, light_groups,\n"
+         "albedo, depth, error, cost, … (all of them: aerosol help aovs),\n"
+         "or light path expressions: --aov \"first=C<RD>L\"; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("NAME[=EXPRESSION],...");
 }
 
 void addDeepOptions(CLI::App& app, DeepArguments& deep, bool gathers) {

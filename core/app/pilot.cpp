@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 
 #include "core/app/picture.h"
 
@@ -20,28 +21,42 @@ void shrinkFilm(scene::Film& film, int size) {
   film.cropHeight = height;
 }
 
-PilotReport renderPilot(const SceneSession& session, double seconds) {
-  constexpr std::uint32_t mostSamples = 1u << 12;
+namespace {
+
+std::unique_ptr<render::Film> filmOf(const SceneSession& session) {
+  const render::AovPlan* const aovs = session.scene().aovs.get();
+  return std::make_unique<render::Film>(cropOf(session.description().film), aovs ? aovs->layout : render::AovLayout{});
+}
+
+/// Of all threads of the program: other programs have no say in it.
+double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+}  // namespace
+
+PilotReport renderPilot(const SceneSession& session, double seconds, std::uint32_t mostSamples) {
+  constexpr std::uint32_t leastSamples = 8;  // Of fewer nobody knows the error.
   PilotReport pilot;
-  pilot.film = std::make_unique<render::Film>(cropOf(session.description().film));
+  pilot.film = filmOf(session);
   render::RenderOptions options;
   options.threads = session.threadCount();
   options.endSample = 1;
   {
     // What is made at first use, such as tables of materials, is no part of what follows.
-    render::Film first(pilot.film->area());
-    render::render(session.scene(), session.integrator(), first, options);
+    const auto first = filmOf(session);
+    render::render(session.scene(), session.integrator(), *first, options);
   }
   options.profile = true;
-  for (std::uint32_t end = 1; end <= mostSamples; end *= 2) {
+  const double before = processorSeconds();
+  for (std::uint32_t end = 1;; end = std::min(2 * end, mostSamples)) {
     options.endSample = end;
     const render::RenderReport round = render::render(session.scene(), session.integrator(), *pilot.film, options);
     pilot.report.statistics += round.statistics;
     pilot.report.seconds += round.seconds;
     options.firstSample = end;
     pilot.samples = end;
-    if (pilot.report.seconds >= seconds) break;
+    if ((pilot.report.seconds >= seconds && end >= leastSamples) || end == mostSamples) break;
   }
+  pilot.processorSeconds = processorSeconds() - before;
   return pilot;
 }
 

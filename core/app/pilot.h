@@ -1,6 +1,7 @@
 // A small render that shows what a large one will be like.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "core/app/scene_session.h"
@@ -14,10 +15,12 @@ void shrinkFilm(scene::Film& film, int size);
 struct PilotReport {
   render::RenderReport report;
   std::unique_ptr<render::Film> film;
-  std::uint64_t samples = 0;  ///< Of a pixel.
+  std::uint32_t samples = 0;    ///< Of a pixel.
+  double processorSeconds = 0;  ///< Of all threads together.
 };
 
-/// Renders a prepared session's film with 1, 2, 4 … samples for at least so many seconds, profiled.
-PilotReport renderPilot(const SceneSession& session, double seconds);
+/// Renders a prepared session's film, with its layers, with 1, 2, 4 … samples a pixel, 8 at least, until it took so many
+/// seconds or has the most samples; profiled.
+PilotReport renderPilot(const SceneSession& session, double seconds, std::uint32_t mostSamples = 1u << 12);
 
 }  // namespace aerosol::app

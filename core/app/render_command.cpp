@@ -186,6 +186,14 @@ class Render {
     if (!arguments_.aovs.empty() && std::none_of(outputs_.begin(), outputs_.end(), isExr)) {
       errors.error({outputs_.front(), 0, 0}, "--aov needs an EXR file to write");
     }
+    for (const auto& [effect, isAsked, option] : {std::tuple{"layers", !arguments_.aovs.empty(), "--aov"},
+                                                  std::tuple{"deep-output", !arguments_.deep.file.empty(), "--deep"}}) {
+      const auto& without = arguments_.without;
+      if (isAsked && std::ranges::find(without, effect) != without.end()) {
+        errors.error({}, fmt::format("--without {} leaves out what {} asks for", effect, option),
+                     {"leave one of them out"});
+      }
+    }
     if (!arguments_.deep.file.empty()) {
       if (auto mistake = image::checkDeepFileName(arguments_.deep.file)) errors.add(std::move(*mistake));
       if (std::find(outputs_.begin(), outputs_.end(), arguments_.deep.file) != outputs_.end())

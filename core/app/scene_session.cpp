@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "core/app/file_check.h"
 #include "core/app/plan/effects.h"
 #include "core/app/registered_types.h"
 #include "core/app/sampling_plan_file.h"
@@ -104,7 +105,12 @@ Diagnostics SceneSession::check() {
   errors.append(removeEffects(arguments_.without, *description_));
   if (!errors.hasErrors()) {
     auto prepared = render::prepare(*description_, registry_, prepareOptions(), warnings_);
-    if (prepared) return errors;
+    if (prepared) {
+      Diagnostics files = examineFiles(*description_, **prepared);
+      description_->sources->annotate(files);
+      warnings_.append(files);
+      return errors;
+    }
     errors.append(prepared.errors());
   }
   const Diagnostics parts = render::checkParts(*description_, registry_, prepareOptions());
@@ -132,8 +138,11 @@ render::PrepareOptions SceneSession::prepareOptions() const {
   options.threads = threadCount();
   options.plan = plan_;
   options.loopBudget = static_cast<std::uint32_t>(arguments_.loopBudget);
-  options.aovs = arguments_.aovs;
-  options.deepSlices = arguments_.deep.file.empty() ? 0 : arguments_.deep.slices;
+  const auto isLeftOut = [&](const char* effect) {
+    return std::ranges::find(arguments_.without, effect) != arguments_.without.end();
+  };
+  if (!isLeftOut("layers")) options.aovs = arguments_.aovs;
+  options.deepSlices = arguments_.deep.file.empty() || isLeftOut("deep-output") ? 0 : arguments_.deep.slices;
   return options;
 }
 

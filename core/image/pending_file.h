@@ -7,7 +7,8 @@
 
 namespace aerosol::image {
 
-/// An empty file beside `target`, filled by its path and then moved there. Destroyed before `commit`, it is deleted.
+/// An empty file in the folder of `target`, filled by its path and then moved there. Destroyed before `commit`, it is
+/// deleted; a process that is killed leaves nothing behind either, where the file system has files without a name.
 class PendingFile {
  public:
   /// An error when the folder is missing or cannot be written, or `target` is no regular file or read-only.
@@ -23,11 +24,15 @@ class PendingFile {
   Diagnostics commit();
 
  private:
-  PendingFile(std::string target, std::string path, int descriptor)
-      : target_(std::move(target)), path_(std::move(path)), descriptor_(descriptor) {}
+  PendingFile(std::string target, std::string path, int descriptor, bool isNameless)
+      : target_(std::move(target)), path_(std::move(path)), descriptor_(descriptor), isNameless_(isNameless) {}
+
+  /// A name that is not the target's yet. False, with errno, where that cannot be.
+  bool giveName();
 
   std::string target_, path_;
   int descriptor_ = -1;
+  bool isNameless_ = false;  ///< `path_` is that of the descriptor.
 };
 
 }  // namespace aerosol::image

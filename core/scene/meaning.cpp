@@ -112,7 +112,8 @@ class SceneBuilder {
     if (table.substitute.empty()) return;
     reporter_.warning(element.typeLocation,
                       fmt::format("instead of the sampler '{}' the low-discrepancy sampler '{}' is used", table.type,
-                                  table.substitute));
+                                  table.substitute),
+                      {fmt::format("write '{}' to choose it, or 'independent'", table.substitute)});
   }
 
   std::optional<Emitter> readEmitter(const Element& element) {
@@ -390,7 +391,9 @@ class SceneBuilder {
       const std::string message = element.id.empty()
                                       ? fmt::format("{} has no id, so nothing can refer to it", describe(element))
                                       : fmt::format("{} '{}' is never referred to", element.tag, element.id);
-      reporter_.warning(element.location, message);
+      reporter_.warning(element.location, message,
+                        {fmt::format("refer to it with <ref id=\"{}\"/> where it is wanted, or remove it",
+                                     element.id.empty() ? "…" : element.id)});
     }
   }
 

@@ -61,7 +61,8 @@ PropertyReader::Taken PropertyReader::take(const ParameterSpec& spec) {
     return {};
   }
   if (spec.withoutEffect) {
-    reporter_.warning(property->nameLocation, fmt::format("parameter '{}' has no effect here", spec.name));
+    reporter_.warning(property->nameLocation, fmt::format("parameter '{}' has no effect here", spec.name),
+                      {"it is read so that scenes of other renderers open: remove it, or leave it"});
   }
   return {property, std::move(value)};
 }

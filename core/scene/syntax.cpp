@@ -102,7 +102,8 @@ class TreeReader {
     }
     if (reporter_.failed()) return;
     for (const auto& [name, location] : definitions_.unusedDefaults()) {
-      reporter_.warning(location, fmt::format("the default '{0}' is never used: no value holds '${0}'", name));
+      reporter_.warning(location, fmt::format("the default '{0}' is never used: no value holds '${0}'", name),
+                        {fmt::format("write ${} where its value is wanted, or remove it", name)});
     }
   }
 

@@ -187,7 +187,8 @@ class WorldReader {
       } else if (number && attribute.name == "aa") {
         set(sampler(), "sample_count", "integer", std::clamp(value, 1, 1000) * std::clamp(value, 1, 1000), place);
       } else {
-        reporter_.warning(place, fmt::format("the option '{}' has no effect", attribute.name));
+        reporter_.warning(place, fmt::format("the option '{}' has no effect", attribute.name),
+                          {"remove it, or leave it for other programs"});
       }
     }
   }

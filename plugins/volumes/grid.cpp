@@ -228,7 +228,7 @@ Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& ar
             arguments.volume.origin.location,
             fmt::format("grid '{}' of '{}' holds {} values that are no number and {} infinite ones", info.name, path,
                         info.nanValues, info.infiniteValues),
-            {"a medium that reads them is empty there"});
+            {"a medium that reads them is empty there: write the file without them"});
       }
     }
   }
@@ -237,7 +237,8 @@ Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& ar
     const std::string grid = name.empty() ? std::string("the first grid") : fmt::format("grid '{}'", name);
     arguments.warnings.warning(
         arguments.volume.origin.location,
-        fmt::format("{} of '{}' has no active voxels: this volume is empty", grid, files->front()), {});
+        fmt::format("{} of '{}' has no active voxels: this volume is empty", grid, files->front()),
+        {"aerosol info lists the file's grids; 'grid' names another one"});
     return {std::make_unique<EmptyVolume>()};
   }
   const std::int32_t cells = arguments.volume.get<std::int32_t>("overlay_cells");
@@ -247,7 +248,8 @@ Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& ar
   }
   if (cells > 0) {
     arguments.warnings.warning(arguments.volume.origin.of("overlay_cells"),
-                               "'overlay_cells' means nothing here: the voxels do not stand in a frustum", {});
+                               "'overlay_cells' means nothing here: the voxels do not stand in a frustum",
+                               {"remove it"});
   }
   if (arguments.makesRoomForCarried) *arguments.makesRoomForCarried = true;
   grid::ActiveTree tree(active.boxes(), interpolationOf(arguments.volume.get<std::string>("interpolation")));

@@ -27,15 +27,17 @@ Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& ar
   if (!mesh) return mesh.errors();
   const accel::MeshTopology topology = accel::examine(*mesh);
   if (!topology.isClosed()) {
-    arguments.warnings.warning(arguments.volume.origin.location,
-                               fmt::format("'{}' is not closed: {} of its edges belong to one triangle only",
-                                           file.string(), topology.openEdges),
-                               {"rays that enter without leaving see nothing of the volume"});
+    arguments.warnings.warning(
+        arguments.volume.origin.location,
+        fmt::format("'{}' is not closed: {} of its edges belong to one triangle only", file.string(),
+                    topology.openEdges),
+        {"rays that enter without leaving see nothing of the volume: close the mesh where it is modelled"});
   } else if (!topology.isOriented()) {
     arguments.warnings.warning(
         arguments.volume.origin.location,
         fmt::format("the triangles of '{}' do not all turn alike ({} edges)", file.string(), topology.flippedEdges),
-        {"surfaces are paired along each ray instead of being counted; where parts overlap is a hole"});
+        {"surfaces are paired along each ray instead of being counted; where parts overlap is a hole: make the "
+         "windings consistent where the mesh is modelled"});
   }
   return accel::MeshVolume::make(std::move(*mesh), arguments.toWorld);
 }

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # lean_counts.sh [SCENE [OPTIONS…]]: what effects cost that a scene does not call for. Counts the instructions of the
 # workers of a render (by callgrind, so that the machine's load has no say) in the ordinary build and in the lean one, which
-# knows no optional effect (core/render/optional_effects.h), and compares the images. Builds both first, unless
-# LEAN_NO_BUILD=1. Fails when the ratio is above 1.02, or the images differ.
+# knows no optional effect (core/render/optional_effects.h), and compares the images; of all scenes in tests/bench/lean where
+# none is given. Builds both first, unless LEAN_NO_BUILD=1. Fails when a ratio is above 1.02, or images differ.
 set -euo pipefail
 
 root=$(cd "${BASH_SOURCE[0]%/*}/../.." && pwd)
-scene=${1:-$root/tests/bench/lean/simple.xml}
+scenes=("$root"/tests/bench/lean/*.xml)
+[ $# -eq 0 ] || scenes=("$1")
 options=("${@:2}")
 largest=1.02
 command -v valgrind >/dev/null || { echo "valgrind is not installed" >&2; exit 2; }
@@ -14,26 +15,39 @@ command -v valgrind >/dev/null || { echo "valgrind is not installed" >&2; exit 2
 cd "$root"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-for preset in release lean; do
-  if [ "${LEAN_NO_BUILD:-0}" != 1 ]; then
+if [ "${LEAN_NO_BUILD:-0}" != 1 ]; then
+  for preset in release lean; do
     cmake --preset $preset >/dev/null
     ninja -C .build/$preset aerosol >/dev/null
-  fi
+  done
+fi
+
+# count PRESET SCENE: prints the instructions.
+count() {
+  local preset=$1 scene=$2 counted
   # Valgrind stops at AVX-512; sobol patterns, one thread and a fixed seed make counts repeatable.
-  command=("$root/.build/$preset/bin/aerosol" render "$scene" -o "$work/$preset.png" --isa avx2 --width 8 --threads 1 -q
-           --checkpoint 0 "${options[@]}")
-  "${command[@]}"  # Compiled shaders come from the cache.
+  local command=("$root/.build/$preset/bin/aerosol" render "$scene" -o "$work/$preset.png" --isa avx2 --width 8
+                 --threads 1 -q --checkpoint 0 "${options[@]}")
+  "${command[@]}" >&2  # Compiled shaders come from the cache.
   valgrind --tool=callgrind --callgrind-out-file="$work/$preset.out" \
-    --toggle-collect='aerosol::render::Worker::run()' "${command[@]}" 2>"$work/$preset.log" ||
-    { cat "$work/$preset.log" >&2; exit 1; }
-  count=$(sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' "$work/$preset.log")
-  [ "${count:-0}" -gt 0 ] || { echo "$preset: nothing was counted" >&2; cat "$work/$preset.log" >&2; exit 1; }
-  echo "$preset: $count instructions"
-  declare "$preset=$count"
+    --toggle-collect='aerosol::render::Worker::run()' "${command[@]}" >&2 2>"$work/$preset.log" ||
+    { cat "$work/$preset.log" >&2; return 1; }
+  counted=$(sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' "$work/$preset.log")
+  [ "${counted:-0}" -gt 0 ] || { echo "$preset: nothing was counted" >&2; cat "$work/$preset.log" >&2; return 1; }
   [ -z "${LEAN_KEEP:-}" ] || cp "$work/$preset.out" "$LEAN_KEEP.$preset"
-done
+  echo "$counted"
+}
+
 # The files themselves say how long they took.
 pixels() { tail -c "+$(grep -obUa IDAT "$1" | head -1 | cut -d: -f1)" "$1" | cksum; }
-[ "$(pixels "$work/release.png")" = "$(pixels "$work/lean.png")" ] || { echo "the images differ" >&2; exit 1; }
-awk -v a="$release" -v b="$lean" -v largest=$largest \
-  'BEGIN { printf "ratio: %.4f (at most %s)\n", a / b, largest; exit a / b > largest }'
+
+failed=0
+for scene in "${scenes[@]}"; do
+  ordinary=$(count release "$scene")
+  lean=$(count lean "$scene")
+  [ "$(pixels "$work/release.png")" = "$(pixels "$work/lean.png")" ] || { echo "$scene: the images differ"; failed=1; }
+  awk -v name="$(basename "$scene")" -v a="$ordinary" -v b="$lean" -v largest=$largest 'BEGIN {
+    printf "%s: %d instructions, %d in the lean build, ratio %.4f (at most %s)\n", name, a, b, a / b, largest
+    exit a / b > largest }' || failed=1
+done
+exit $failed

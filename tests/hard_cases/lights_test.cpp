@@ -111,6 +111,33 @@ TEST(LightBesideTheRay, AMillionthAwayInADenseMedium) {
   EXPECT_LT(static_cast<double>(pixel.standardError.g), 0.01 * expected);
 }
 
+/// A cone of a ten-thousandth of a degree: full light inside of it, none outside, on a surface and along a ray of fog.
+TEST(NarrowSpot, OfATenThousandthOfADegree) {
+  const auto spot = [](double z) {
+    return fmt::format(R"(<emitter type="spot"><transform name="to_world"><lookat origin="0,0,{}" target="0,0,9"
+        up="0,1,0"/></transform><float name="cutoff_angle" value="1e-4"/><float name="beam_width" value="1e-4"/>
+        <rgb name="intensity" value="2"/></emitter>)",
+                       z);
+  };
+  // Pixels of 8.7e-6, in the middle of which is all of a disk of light with that radius.
+  const TestSensor sensor{.fov = 5e-4, .width = 5, .height = 5};
+  const TestScene wall = loadScene(once, sensor, spot(-5) + R"(<shape type="rectangle"><transform name="to_world">
+      <rotate y="1" angle="180"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>)");
+  const auto film = wall.render(64);
+  EXPECT_EQ(film->droppedCount(), 0u);
+  EXPECT_NEAR(film->estimate(2, 2).color.g, 0.5 / std::numbers::pi * 2 / 25, 1e-6);
+  EXPECT_EQ(film->estimate(0, 2).color.g, 0);
+  EXPECT_EQ(film->estimate(2, 4).color.g, 0);
+
+  const TestScene fogged = loadScene(once, straight, fog(2) + spot(-2));
+  const render::PixelEstimate pixel = renderSoundly(fogged, 4096);
+  const double expected = 2 * 2 * 0.9 / (4 * std::numbers::pi) *
+                          integrate([](double t) { return std::exp(-4 * (1 + t)) / ((2 + t) * (2 + t)); }, -1, 1, 200);
+  EXPECT_NEAR(static_cast<double>(pixel.color.g), expected,
+              4 * static_cast<double>(pixel.standardError.g) + 1e-3 * expected);
+  EXPECT_LT(static_cast<double>(pixel.standardError.g), 0.03 * expected);
+}
+
 /// Infinite fog around the camera, the light beside, behind and at it.
 TEST(LightInEndlessFog, IsFinite) {
   for (const char* place : {R"(x="0.5" y="0" z="3")", R"(x="0" y="0" z="-9")", R"(x="0" y="0" z="-5")"}) {

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <numeric>
 #include <regex>
+#include <sstream>
 
+#include "core/image/deep_image.h"
 #include "core/image/image.h"
 #include "tests/support/program.h"
 
@@ -192,6 +194,7 @@ TEST_F(Accuracy, CostIsExplainedAndWritten) {
   const std::string json = folder_.read("a.json");
   EXPECT_THAT(json, HasSubstr("\"shader\": \"wisps\""));
   EXPECT_THAT(json, HasSubstr("\"samples\": 196608"));
+  EXPECT_THAT(json, HasSubstr("\"method\": \"null scattering\""));
   const image::ImageBuffer a = picture("a.exr");
   ASSERT_EQ(a.layers.size(), 3u);
   const image::ImageLayer &cost = a.layers[0], &error = a.layers[1], &samples = a.layers[2];
@@ -212,9 +215,9 @@ TEST_F(Accuracy, CostIsExplainedAndWritten) {
 
 TEST_F(Accuracy, AStudyIsKilledAndCarriedOn) {
   const std::vector<std::string> words{"study", "wisps.xml", "-o", "study", "--budget", "2s", "--size", "16"};
-  EXPECT_FALSE(folder_.runUntil("study/study.csv", words).code) << "the first of six cases is done, and no more";
+  EXPECT_FALSE(folder_.runUntil("study/study.csv", words).code) << "the first of nine cases is done, and no more";
   const Outcome outcome = run(words);
-  EXPECT_THAT(outcome.err, ContainsRegex("going on with [1-5] finished case"));
+  EXPECT_THAT(outcome.err, ContainsRegex("going on with [1-8] finished case"));
   for (const char* file : {"study.html", "study.json", "study.csv", "error.png", "parts.png", "reference.png"}) {
     EXPECT_TRUE(folder_.has(std::string("study/") + file)) << file;
   }
@@ -224,10 +227,12 @@ TEST_F(Accuracy, AStudyIsKilledAndCarriedOn) {
   EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
   EXPECT_THAT(page, HasSubstr("null scattering"));
   EXPECT_THAT(page, HasSubstr("marching, steps x 8"));
+  EXPECT_THAT(page, HasSubstr("null scattering, relaxed"));
+  EXPECT_THAT(page, HasSubstr("marching, unbiased to lights"));
   EXPECT_TRUE(image::readImage(folder_.path("study/error.png")));
   // All is there: nothing is rendered again.
   const Outcome again = run(words);
-  EXPECT_THAT(again.err, HasSubstr("going on with 6 finished cases"));
+  EXPECT_THAT(again.err, HasSubstr("going on with 9 finished cases"));
   EXPECT_EQ(folder_.read("study/study.html"), page);
   const Outcome other =
       run({"study", "wisps.xml", "-o", "study", "--budget", "1s", "--size", "8", "--vary", "wisps.density=1,2"});
@@ -237,11 +242,40 @@ TEST_F(Accuracy, AStudyIsKilledAndCarriedOn) {
 
 TEST_F(Accuracy, APlanNamesEffectsWithTheirPlaces) {
   const Outcome outcome = run({"plan", "wisps.xml", "--size", "16", "--without", "constant-light"});
-  EXPECT_THAT(outcome.out, ContainsRegex("heterogeneity +on +[0-9.]+ % +wisps .wisps.xml:9:25"));
-  EXPECT_THAT(outcome.out, ContainsRegex("depth-of-field +off +the camera has no lens"));
-  EXPECT_THAT(outcome.out, ContainsRegex("constant-light +off"));
+  EXPECT_THAT(outcome.out, ContainsRegex("heterogeneity +V8 H6 +on +[0-9.]+ % +wisps .wisps.xml:9:25"));
+  EXPECT_THAT(outcome.out, ContainsRegex("depth-of-field +E1 +off +the camera has no lens"));
+  EXPECT_THAT(outcome.out, ContainsRegex("constant-light +S2 +off"));
   EXPECT_THAT(outcome.out, HasSubstr("constant environments are black"));
+  EXPECT_THAT(outcome.out, HasSubstr("measured: the pilot is 100 % darker in the mean"));
+  EXPECT_THAT(run({"help", "effects"}).out, ContainsRegex("S5 +many lights, in a hierarchy\n +light-hierarchy"));
   EXPECT_THAT(run({"plan", "wisps.xml", "--without", "motoin"}, 1).err, HasSubstr("there is no such effect"));
+  const Outcome deep =
+      run({"plan", "wisps.xml", "--size", "16", "--deep", "a.exr", "--deep-slices", "9", "--aov", "depth"});
+  EXPECT_THAT(deep.out, ContainsRegex("deep-output +E5 +on +[0-9.]+ % +9 slices"));
+  EXPECT_THAT(deep.out, ContainsRegex("layers +E5 +on +[0-9.]+ % +depth"));
+  EXPECT_FALSE(folder_.has("a.exr"));
+  const Outcome without = run({"plan", "wisps.xml", "--size", "16", "--deep", "a.exr", "--without", "deep-output"});
+  EXPECT_THAT(without.out, ContainsRegex("deep-output +E5 +off"));
+  EXPECT_THAT(run({"render", "wisps.xml", "-o", "a.exr", "--deep", "b.exr", "--without", "deep-output"}, 2).err,
+              HasSubstr("--without deep-output leaves out what --deep asks for"));
+}
+
+/// Whether every finding has a place and a note.
+testing::AssertionResult hasPlacesAndRemedies(const std::string& text) {
+  static const std::regex finding("(warning|error): "), place("^[^ ]+:[0-9]+:[0-9]+: (warning|error): ");
+  std::istringstream lines(text);
+  std::string last;
+  bool hasNote = true;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("  note: ")) hasNote = true;
+    if (line.starts_with(" ") || !std::regex_search(line, finding)) continue;
+    if (!hasNote) return testing::AssertionFailure() << "no remedy: " << last;
+    if (!std::regex_search(line, place)) return testing::AssertionFailure() << "no place: " << line;
+    last = line;
+    hasNote = false;
+  }
+  if (!hasNote) return testing::AssertionFailure() << "no remedy: " << last;
+  return testing::AssertionSuccess() << last;
 }
 
 TEST_F(Accuracy, ADoctorFindsWhatIsWrong) {
@@ -274,14 +308,64 @@ TEST_F(Accuracy, ADoctorFindsWhatIsWrong) {
   EXPECT_THAT(outcome.err, HasSubstr("world point ("));
   EXPECT_THAT(outcome.err, HasSubstr("was above its bound of"));
   EXPECT_THAT(outcome.out, ContainsRegex("ill.xml: [0-9]+ findings"));
+  EXPECT_TRUE(hasPlacesAndRemedies(outcome.err));
   // What cannot be read, and what nothing uses.
   folder_.write("inputs.xml", sceneOf(30, 8, 8, R"(<emitter type="constant"/><medium type="homogeneous" id="fog"/>
   <shape type="sphere"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">
     <string name="filename" value="none.png"/></texture></bsdf></shape>)"));
   const Outcome inputs = run({"doctor", "inputs.xml", "--size", "8"}, 1);
   EXPECT_THAT(inputs.err, ContainsRegex("inputs.xml:8:[0-9]+: warning: medium 'fog' is never referred to"));
-  EXPECT_THAT(inputs.err, HasSubstr("none.png"));
+  EXPECT_THAT(inputs.err,
+              ContainsRegex("inputs.xml:10:36: warning: \"none.png\" of shader 'bitmap' cannot be read: there "
+                            "is no such file"));
+  EXPECT_THAT(inputs.err, HasSubstr("correct the name, or put the file where it is looked for"));
   EXPECT_THAT(inputs.out, HasSubstr("inputs.xml: 2 findings"));
+  EXPECT_TRUE(hasPlacesAndRemedies(inputs.err));
+  EXPECT_FALSE(hasPlacesAndRemedies("warning: a\n  note: b\n"));
+  EXPECT_FALSE(hasPlacesAndRemedies("a.xml:1:2: warning: a\n"));
+  EXPECT_THAT(run({"check", "inputs.xml"}).out, HasSubstr("inputs.xml: no errors, 2 warnings"));
+}
+
+/// What only shows when rays go there, or is nobody's in particular.
+TEST_F(Accuracy, ADoctorFindsWhatRaysMeet) {
+  folder_.write("broken.png", "no picture");
+  folder_.write("open.obj", "v -1 -1 -1\nv 1 -1 -1\nv 0 1 0\nv 0 -1 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  folder_.write("rays.xml", sceneOf(30, 16, 16, R"(
+  <default name="idle" value="1"/><bsdf type="diffuse" id="spare"/>
+  <volume type="mesh"><string name="filename" value="open.obj"/><medium type="homogeneous"/></volume>
+  <volume type="box"><medium type="wisps"><string name="distance" value="marching"/><float name="step_size" value="3"/>
+    </medium></volume>
+  <volume type="box"><medium type="wisps"><float name="density" value="1e7"/><string name="distance" value="null"/>
+    </medium></volume>
+  <shape type="sphere"><float name="radius" value="0.5"/><bsdf type="osl"><source>surface s() {
+    warning("seen"); Ci = log(u - u - 1) / 1e-30 * 1e30 * diffuse(N) + diffuse(N); }</source></bsdf></shape>
+  <shape type="cube"><bsdf type="diffuse"><texture type="bitmap" name="reflectance">
+    <string name="filename" value="broken.png"/></texture></bsdf></shape>)"));
+  const Outcome outcome = run({"doctor", "rays.xml", "--size", "16"}, 1);
+  for (const char* part : {"the default 'idle' is never used", "'spare' is never referred to",
+                           "'./open.obj' is not closed", "one step of marching", "tentative collisions a ray",
+                           "\"broken.png\" of shader 'bitmap'", "write the file anew", "the scene has no light"}) {
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+  }
+  EXPECT_TRUE(hasPlacesAndRemedies(outcome.err)) << outcome.err;
+}
+
+/// Faces that fit are a finding only where nothing says which medium holds.
+TEST_F(Accuracy, ADoctorKnowsThatFacesWithPrioritiesMayCoincide) {
+  const auto cubes = [&](int first, int second) {
+    return sceneOf(30, 8, 8,
+                   fmt::format(R"(<emitter type="constant"/>
+  <shape type="cube"><bsdf type="dielectric"><integer name="priority" value="{}"/></bsdf></shape>
+  <shape type="cube"><transform name="to_world"><translate x="2" y="0" z="0"/></transform>
+    <bsdf type="dielectric"><integer name="priority" value="{}"/></bsdf></shape>)",
+                               first, second));
+  };
+  folder_.write("decided.xml", cubes(1, 2));
+  folder_.write("equal.xml", cubes(1, 1));
+  EXPECT_THAT(run({"doctor", "decided.xml", "--size", "8"}).out, HasSubstr("nothing found"));
+  const Outcome equal = run({"doctor", "equal.xml", "--size", "8"}, 1);
+  EXPECT_THAT(equal.err, HasSubstr("coincides with another one"));
+  EXPECT_TRUE(hasPlacesAndRemedies(equal.err));
 }
 
 TEST_F(Accuracy, ACheckTellsEverythingAtOnce) {
@@ -334,6 +418,25 @@ TEST_F(Accuracy, AJobOfTasksIsTheWholeImage) {
   EXPECT_EQ(picture("whole.exr").pixels, picture("one.exr").pixels);
 }
 
+/// Layers and deep images are gathered by all tasks and joined by the merge.
+TEST_F(Accuracy, AJobCarriesLayersAndDeepImages) {
+  run({"submit", "wisps.xml", "-o", "whole.exr", "--spp", "12", "--tasks", "2", "--aov", "direct,depth", "--deep",
+       "whole.deep.exr", "--deep-slices", "8"});
+  const std::string shell =
+      "cd " + folder_.path("") + " && for i in 0 1; do sh whole.job/tasks.sh $i; done && sh " + "whole.job/merges.sh 0";
+  EXPECT_EQ(std::system((shell + " >/dev/null 2>&1").c_str()), 0);
+  run({"render", "wisps.xml", "-o", "one.exr", "--spp", "12", "--isa", "avx2", "--aov", "direct,depth", "--deep",
+       "one.deep.exr", "--deep-slices", "8", "-q"});
+  EXPECT_EQ(picture("whole.exr").pixels, picture("one.exr").pixels);
+  ASSERT_EQ(picture("whole.exr").layers.size(), 2u);
+  EXPECT_EQ(picture("whole.exr").layers[1].pixels, picture("one.exr").layers[1].pixels);
+  const auto deep = image::readDeepImage(folder_.path("whole.deep.exr")),
+             other = image::readDeepImage(folder_.path("one.deep.exr"));
+  ASSERT_TRUE(deep && other);
+  EXPECT_EQ(deep->counts, other->counts);
+  EXPECT_EQ(deep->values, other->values);
+}
+
 /// An sbatch that keeps what it is given: the merge depends on the renders.
 TEST_F(Accuracy, ASlurmJobMergesAfterItsRenders) {
   folder_.write("sbatch",
@@ -351,8 +454,8 @@ TEST_F(Accuracy, ASlurmJobMergesAfterItsRenders) {
   EXPECT_THAT(good.out, HasSubstr("merge job 2"));
   const std::string calls = folder_.read("calls");
   EXPECT_THAT(calls, HasSubstr("--parsable --dependency=afterany:1 "));
-  EXPECT_THAT(folder_.read("wisps.job/render.sbatch"), HasSubstr("--array=0-5"));
-  EXPECT_THAT(folder_.read("wisps.job/tasks.sh"), HasSubstr("--samples 0:128"));
+  EXPECT_THAT(folder_.read("a.job/render.sbatch"), HasSubstr("--array=0-5"));
+  EXPECT_THAT(folder_.read("a.job/tasks.sh"), HasSubstr("--samples 0:128"));
 }
 
 }  // namespace

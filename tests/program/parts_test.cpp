@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <random>
 
+#include "core/image/deep_image.h"
 #include "core/image/image.h"
 #include "tests/support/program.h"
 
@@ -143,6 +144,28 @@ TEST_F(Parts, AovsAreMergedAndCarriedOn) {
   part({"-o", "whole.exr", "--resume"});
   render({"-o", "whole.exr", "--resume", "--spp", "40", "--aov", "depth"});
   EXPECT_EQ(picture("whole.exr").layers.size(), 1u);
+}
+
+/// Mattes and deep images keep all that samples met until all parts are there.
+TEST_F(Parts, MattesAndDeepImagesAreJoined) {
+  const auto part = [&](std::vector<std::string> options, const std::string& name) {
+    options.insert(options.end(), {"--spp", "24", "--aov", "crypto_object,crypto_material", "--deep-slices", "6"});
+    options.insert(options.end(), {"-o", name + ".exr", "--deep", name + ".deep.exr"});
+    render(options);
+  };
+  part({}, "whole");
+  part({"--samples", "0:7"}, "a");
+  part({"--samples", "7:24", "--crop", "0,0,20,9"}, "b");
+  part({"--samples", "7:24", "--crop", "0,9,20,9"}, "c");
+  merge({"c.exr", "a.exr", "b.exr", "-o", "merged.exr", "--deep", "merged.deep.exr"});
+  EXPECT_FALSE(picture("whole.exr").layers.empty());
+  EXPECT_TRUE(samePixels("whole.exr", "merged.exr"));
+  const auto whole = image::readDeepImage(folder_.path("whole.deep.exr")),
+             merged = image::readDeepImage(folder_.path("merged.deep.exr"));
+  ASSERT_TRUE(whole && merged);
+  EXPECT_FALSE(whole->values.empty());
+  EXPECT_EQ(whole->counts, merged->counts);
+  EXPECT_EQ(whole->values, merged->values);
 }
 
 TEST_F(Parts, LostAndDoubledTasksAreNoticed) {

@@ -86,11 +86,13 @@ Outcome ProgramFolder::outcomeOf(int status) const {
 Outcome ProgramFolder::run(const std::vector<std::string>& arguments,
                            std::optional<std::chrono::milliseconds> killAfter) const {
   const pid_t child = start(arguments);
-  if (killAfter) {
-    std::this_thread::sleep_for(*killAfter);
-    kill(child, SIGKILL);
-  }
+  const auto begin = std::chrono::steady_clock::now();
   int status = 0;
+  while (killAfter && std::chrono::steady_clock::now() < begin + *killAfter) {
+    if (waitpid(child, &status, WNOHANG) == child) return outcomeOf(status);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (killAfter) kill(child, SIGKILL);
   waitpid(child, &status, 0);
   return outcomeOf(status);
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "core/app/plan/effects.h"
 #include "core/base/paths.h"
 #include "core/jit/compiler.h"
 #include "core/render/registry.h"
@@ -51,6 +52,7 @@ TestScene::TestScene(const std::string& xml, const SceneOptions& options) {
     return;
   }
   description_ = std::move(*loaded);
+  EXPECT_FALSE(app::removeEffects(options.without, *description_).hasErrors());
   const auto isa = options.isa ? std::optional<std::string_view>(*options.isa) : std::nullopt;
   const auto target = jit::chooseTarget(options.width, isa);
   if (!target) {
@@ -103,6 +105,8 @@ std::unique_ptr<render::Film> TestScene::render(std::uint32_t samples) const {
 std::string TestSensor::xml() const {
   const std::string lookAt = fmt::format(
       R"(<transform name="to_world"><lookat origin="{}" target="{}" up="0, 1, 0"/></transform>)", origin, target);
+  const std::string angle =
+      type == "orthographic" ? std::string() : fmt::format(R"(<float name="fov" value="{}"/>)", fov);
   return fmt::format(
       R"(<sensor type="{}">{}
         {}
@@ -116,9 +120,7 @@ std::string TestSensor::xml() const {
         <sampler type="{}"><integer name="seed" value="{}"/></sampler>
         {}
       </sensor>)",
-      type, placement.empty() ? lookAt : placement,
-      type == "orthographic" ? "" : fmt::format(R"(<float name="fov" value="{}"/>)", fov), nearClip, farClip, width,
-      height, sampler, seed, medium);
+      type, placement.empty() ? lookAt : placement, angle, nearClip, farClip, width, height, sampler, seed, medium);
 }
 
 std::string sceneXml(const std::string& integrator, const TestSensor& sensor, const std::string& content) {

@@ -21,8 +21,9 @@ struct SceneOptions {
   std::optional<std::string> isa;  ///< Of shaders.
   bool laneCounters = false;
   std::uint32_t loopBudget = 1u << 24;
-  bool mayWarn = false;  ///< Warnings are no failures.
-  int deepSlices = 0;    ///< Of a deep image; 0: none.
+  bool mayWarn = false;                ///< Warnings are no failures.
+  int deepSlices = 0;                  ///< Of a deep image; 0: none.
+  std::vector<std::string> without{};  ///< Effects forced off.
 };
 
 /// A scene that is ready. Errors and warnings are test failures with their text.
@@ -55,7 +56,7 @@ class TestScene {
 struct TestSensor {
   std::string origin = "0, 0, -5";
   std::string target = "0, 0, 0";
-  double fov = 20;  ///< Degrees, of the width.
+  double fov = 20;  ///< Degrees, of the width; of no meaning to an orthographic one.
   int width = 16;
   int height = 16;
   std::string sampler = "independent";

@@ -2,10 +2,30 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/app/doctor/examination.h"
+#include "core/app/file_check.h"
 #include "core/app/quantity.h"
 
 namespace aerosol::app {
+
+namespace {
+
+/// Without what shaders say of files that have been told of at the place where the scene names them.
+Diagnostics withoutFiles(const Diagnostics& found, const Diagnostics& files) {
+  Diagnostics rest;
+  for (const Diagnostic& each : found.entries()) {
+    const bool isKnown = std::ranges::any_of(files.entries(), [&](const Diagnostic& file) {
+      const std::string name = file.message.substr(0, file.message.find('"', 1) + 1);
+      return each.message.find("cannot read") != std::string::npos && each.message.find(name) != std::string::npos;
+    });
+    if (!isKnown) rest.add(each);
+  }
+  return rest;
+}
+
+}  // namespace
 
 ExitCode doctorCommand(const DoctorArguments& arguments, const Console& console) {
   SceneSession session(arguments.render, console);
@@ -15,10 +35,12 @@ ExitCode doctorCommand(const DoctorArguments& arguments, const Console& console)
   const scene::SceneDescription& description = session.description();
   const render::PreparedScene& scene = session.scene();
   Diagnostics found = examineInputs(description, scene);
+  const Diagnostics files = examineFiles(description, scene);
+  found.append(files);
   found.append(examineGeometry(description, scene));
   found.append(examineSampling(description, scene));
   const PilotReport pilot = renderPilot(session, 0.5);
-  found.append(examinePilot(description, scene, pilot));
+  found.append(withoutFiles(examinePilot(description, scene, pilot), files));
   description.sources->annotate(found);
   console.report(found);
   const std::size_t count = found.entries().size() + session.warnings().entries().size();

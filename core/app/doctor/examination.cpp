@@ -35,6 +35,23 @@ bool areEqualSpheres(const scene::Shape& a, const scene::Shape& b) {
   return true;
 }
 
+/// Of what is inside of a shape, where the scene says it: its own, or that of its material.
+std::optional<int> priorityOf(const scene::SceneDescription& description, const scene::Shape& shape) {
+  if (shape.priority != 0) return shape.priority;
+  const scene::ShaderParameter* const parameter = description.materials[shape.material].find("priority");
+  const auto value = parameter ? parameter->convertTo(scene::ValueType::integer) : std::nullopt;
+  if (!value || std::get<int>(*value) == 0) return {};
+  return std::get<int>(*value);
+}
+
+/// Whether it is said which of two media holds where faces of theirs coincide: such faces are crossed together then.
+bool isDecided(const scene::SceneDescription& description, const render::PreparedScene& scene, const scene::Shape& a,
+               const scene::Shape& b) {
+  if (!scene.nestsMedia.isCalledFor()) return false;
+  const auto p = priorityOf(description, a), q = priorityOf(description, b);
+  return p && q && *p != *q;
+}
+
 void reportMesh(const MeshDefects& defects, const SourceLocation& place, Diagnostics& found) {
   if (defects.openEdges > 0) {
     found.warning(
@@ -64,6 +81,34 @@ void reportMesh(const MeshDefects& defects, const SourceLocation& place, Diagnos
   }
 }
 
+constexpr const char* undefinedRemedy =
+    "a division by 0, a root or logarithm of a negative number, or a density below 0: bound it with max(0, …) in the "
+    "shader";
+
+/// Gives findings without a place that place, and all of them the remedy.
+void advise(Diagnostics& found, const SourceLocation& place, const char* remedy = nullptr) {
+  for (Diagnostic& each : found.entries()) {
+    if (each.location.file.empty()) each.location = place;
+    if (remedy) each.notes.emplace_back(remedy);
+  }
+}
+
+/// Of point lights that rays may come as near to as they like.
+SourceLocation firstWithoutRadius(const scene::SceneDescription& description) {
+  for (const scene::Emitter& emitter : description.emitters) {
+    const bool isPoint = emitter.type == scene::EmitterType::point || emitter.type == scene::EmitterType::spot;
+    if (isPoint && !(emitter.radius > 0)) return emitter.origin.location;
+  }
+  return description.integrator.origin.location;
+}
+
+SourceLocation firstMeshVolume(const scene::SceneDescription& description) {
+  for (const scene::Volume& volume : description.volumes) {
+    if (volume.type == "mesh") return volume.origin.location;
+  }
+  return description.sensor.origin.location;
+}
+
 float extentOf(const render::PreparedScene& scene, std::size_t medium) {
   for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
     if (scene.volumes[v] && scene.volumes[v]->index == medium) {
@@ -89,13 +134,14 @@ Diagnostics examineGeometry(const scene::SceneDescription& description, const re
     if (meshes[i] && isClosedKind) reportMesh(checkMesh(*meshes[i]), description.shapes[i].origin.location, found);
   }
   for (const CoincidentFaces& pair : findCoincidentFaces(meshes)) {
+    if (isDecided(description, scene, description.shapes[pair.first], description.shapes[pair.second])) continue;
     const SourceLocation &a = description.shapes[pair.first].origin.location,
                          &b = description.shapes[pair.second].origin.location;
     found.warning(
         b, "this surface coincides with another one that bounds a medium",
         {fmt::format("the other one is at {}:{}:{}, they meet near {}", a.file, a.line, a.column, describe(pair.at)),
-         "which medium lies between them is up to rounding: let one reach into the other, with priorities, or "
-         "move them apart"});
+         "which medium holds there is up to rounding: give both a 'priority' (of the shape, or of a material that says "
+         "what is inside), and they are crossed together; or move them apart"});
   }
   for (std::size_t i = 0; i < description.shapes.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -103,11 +149,11 @@ Diagnostics examineGeometry(const scene::SceneDescription& description, const re
       const bool areSpheres = a.type == scene::ShapeType::sphere && b.type == scene::ShapeType::sphere;
       if (!areSpheres || a.displacement || b.displacement || !bounds(scene.objects[i]) || !bounds(scene.objects[j]))
         continue;
-      if (!areEqualSpheres(a, b)) continue;
+      if (!areEqualSpheres(a, b) || isDecided(description, scene, a, b)) continue;
       found.warning(b.origin.location, "this surface coincides with another one that bounds a medium",
                     {fmt::format("the other one is at {}:{}:{}", a.origin.location.file, a.origin.location.line,
                                  a.origin.location.column),
-                     "make one of the two spheres larger"});
+                     "give both a different 'priority', or make one of the two spheres larger"});
     }
   }
   return found;
@@ -131,8 +177,9 @@ Diagnostics examineSampling(const scene::SceneDescription&, const render::Prepar
                          static_cast<double>(medium.stepSize), extent, extent / 200)});
       } else if (steps < 2) {
         found.warning(place, fmt::format("one step of marching through '{}' is longer than half of it", name),
-                      {fmt::format("its step_size is {:.4g} across {:.4g}: what is inside is missed",
-                                   static_cast<double>(medium.stepSize), extent)});
+                      {fmt::format("its step_size is {:.4g} across {:.4g}, so what is inside is missed: give it one of "
+                                   "{:.4g} or so, or let the renderer choose",
+                                   static_cast<double>(medium.stepSize), extent, extent / 50)});
       }
     }
     if (medium.bound && medium.method == DistanceMethod::nullScattering) {
@@ -141,8 +188,10 @@ Diagnostics examineSampling(const scene::SceneDescription&, const render::Prepar
         found.warning(
             place,
             fmt::format("null scattering in '{}' makes {} tentative collisions a ray", name, formatShort(collisions)),
-            {fmt::format("its bound of {:.4g} may be too large: what the shader gives is reported by --stats",
-                         static_cast<double>(medium.bound->value))});
+            {fmt::format("its bound is {:.4g} across {:.4g}: a density_bound no larger than the shader's values makes "
+                         "rays shorter (aerosol render --stats tells how far it is above them); of matter that is so "
+                         "dense, distance 'marching' with a step_size of {:.4g} shows the surface",
+                         static_cast<double>(medium.bound->value), extent, extent / 200)});
       }
     }
   }
@@ -184,19 +233,30 @@ Diagnostics examineInputs(const scene::SceneDescription& description, const rend
 Diagnostics examinePilot(const scene::SceneDescription& description, const render::PreparedScene& scene,
                          const PilotReport& pilot) {
   const render::WorkerStatistics& s = pilot.report.statistics;
+  const SourceLocation& camera = description.sensor.origin.location;
   Diagnostics found = reportMessages(scene.messages->sorted(), 0).messages;
+  advise(found, {}, "the shader says so, or a function that it calls: its line tells when");
+  Diagnostics invalid = reportInvalidClosures(scene);
+  advise(invalid, {}, undefinedRemedy);
+  found.append(invalid);
   found.append(reportInvalidCoefficients(scene));
-  found.append(reportInvalidClosures(scene));
-  found.append(reportTrackers(scene, s.trackers));
-  found.append(reportLights(s));
-  found.append(reportDroppedSamples(*pilot.film));
+  Diagnostics trackers = reportTrackers(scene, s.trackers);
+  advise(trackers, camera);
+  found.append(trackers);
+  Diagnostics lights = reportLights(s);
+  advise(lights, firstWithoutRadius(description));
+  found.append(lights);
+  Diagnostics dropped = reportDroppedSamples(*pilot.film);
+  advise(
+      dropped, camera,
+      "what shaders give at these paths is looked at by: aerosol render --crop X,Y,1,1 --aov cost, and printf in the "
+      "shader");
+  found.append(dropped);
   for (std::size_t i = 0; i < scene.media.size(); ++i) {
     if (scene.messages->invalid().contains(static_cast<std::uint32_t>(i))) {
       for (Diagnostic& each : found.entries()) {
         if (each.location == scene.mediumLocations[i]) {
-          each.notes.push_back(
-              "a division by 0, a root or logarithm of a negative number, or a density below 0: bound it "
-              "with max(0, …) in the shader");
+          each.notes.push_back(undefinedRemedy);
           break;
         }
       }
@@ -205,19 +265,19 @@ Diagnostics examinePilot(const scene::SceneDescription& description, const rende
   const std::uint64_t open = s.media.exitsWithoutEntry + s.media.repeatedEntries;
   if (open > 0) {
     found.warning(
-        description.sensor.origin.location,
-        fmt::format("{} leave a medium that they never entered, or enter it twice", formatCount(open, "ray")),
+        camera, fmt::format("{} leave a medium that they never entered, or enter it twice", formatCount(open, "ray")),
         {"a mesh is open or turned inside out, or the camera stands inside of something: see the meshes above"});
   }
   if (s.accel.openVolumes > 0) {
-    found.warning({},
+    found.warning(firstMeshVolume(description),
                   fmt::format("{} go through the mesh of a volume primitive an odd number of times",
                               formatCount(s.accel.openVolumes, "ray")),
-                  {"the mesh has a hole: close it"});
+                  {"the mesh has a hole: close it where it is modelled"});
   }
   if (s.accel.invalidRays > 0) {
-    found.warning({}, fmt::format("{} were not finite", formatCount(s.accel.invalidRays, "ray")),
-                  {"transforms of the camera or of objects give coordinates beyond what a float holds"});
+    found.warning(camera, fmt::format("{} were not finite", formatCount(s.accel.invalidRays, "ray")),
+                  {"transforms of the camera or of objects give coordinates beyond what a float holds: make the scene "
+                   "smaller"});
   }
   return found;
 }

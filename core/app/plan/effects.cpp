@@ -38,12 +38,33 @@ double shaderShare(const WorkerStatistics& s, const std::function<bool(std::size
   return all > 0 ? part / all * shareOf(s, {Phase::shaders, Phase::gathering}) : 0;
 }
 
+/// Of the shaders' part: volume variants of these families.
+std::function<double(const WorkerStatistics&)> shareOfFamilies(std::set<std::size_t> families) {
+  return [families = std::move(families)](const WorkerStatistics& s) {
+    double all = 0, part = 0;
+    for (std::size_t i = 0; i < s.kernels.size(); ++i) {
+      const auto time = static_cast<double>(s.kernels[i].nanoseconds);
+      all += time;
+      if (families.contains(i / shading::variantCount)) part += time;
+    }
+    return all > 0 ? part / all * shareOf(s, {Phase::shaders, Phase::gathering}) : 0;
+  };
+}
+
 std::uint64_t pointsOf(const WorkerStatistics& s, shading::Variant variant) {
   std::uint64_t points = 0;
   for (std::size_t i = static_cast<std::size_t>(variant); i < s.kernels.size(); i += shading::variantCount) {
     points += s.kernels[i].points;
   }
   return points;
+}
+
+/// Of all segments of paths, those that begin at such an event.
+std::function<double(const WorkerStatistics&)> shareOfSegments(Work event) {
+  return [event](const WorkerStatistics& s) {
+    const auto segments = static_cast<double>(s.samples + s.pathVertices);
+    return segments > 0 ? static_cast<double>(s.work.of(event)) / segments : 0;
+  };
 }
 
 /// Points at which shaders ran that hold code for an effect: there is none of it in others.
@@ -232,7 +253,8 @@ class EffectList {
   }
 
   void addMedia() {
-    Names closed, voxels, null, marched, scattering, emitting, chromatic, relaxed, trees;
+    Names closed, voxels, null, marched, scattering, emitting, chromatic, trees;
+    std::set<std::size_t> nullFamilies, marchedFamilies;
     for (std::size_t i = 0; i < scene_.media.size(); ++i) {
       const volume::Medium& medium = scene_.media[i];
       const std::string& name = scene_.mediumNames[i];
@@ -243,6 +265,8 @@ class EffectList {
        : method == DistanceMethod::marching ? marched
                                             : null)
           .add(name, place);
+      if (method == DistanceMethod::marching) marchedFamilies.insert(scene_.mediumShaders[i].family);
+      if (method == DistanceMethod::nullScattering) nullFamilies.insert(scene_.mediumShaders[i].family);
       const MediumFacts facts(scene_, i);
       const std::string doubt = facts.isKnown ? "" : " (not ruled out)";
       if (facts.scatters) scattering.add(name + doubt, place);
@@ -262,10 +286,13 @@ class EffectList {
         shading);
     add("constant-media", closed, hasMedia ? "no medium is constant" : none, countOf(Work::closedForm));
     add("analytic-voxels", voxels, hasMedia ? "no medium is voxels times constants" : none, countOf(Work::voxels));
-    add("null-scattering", null, hasMedia ? "no medium is sampled so" : none, countOf(Work::nullScattering));
-    add("ray-marching", marched, hasMedia ? "no medium is sampled so" : none, countOf(Work::marching));
+    add("null-scattering", null, hasMedia ? "no medium is sampled so" : none, countOf(Work::nullScattering),
+        shareOfFamilies(std::move(nullFamilies)));
+    add("ray-marching", marched, hasMedia ? "no medium is sampled so" : none, countOf(Work::marching),
+        shareOfFamilies(std::move(marchedFamilies)));
     add("bound-trees", trees, hasMedia ? "no medium varies below a bound" : none, countOf(Work::tree));
-    add("volume-scattering", scattering, hasMedia ? "no medium scatters" : none, countOf(Work::mediumScattering));
+    add("volume-scattering", scattering, hasMedia ? "no medium scatters" : none, countOf(Work::mediumScattering),
+        shareOfSegments(Work::mediumScattering));
     add("volume-emission", emitting, hasMedia ? "no medium emits" : none, countOf(Work::mediumEmission));
     add("chromatic-extinction", chromatic, hasMedia ? "extinction is the same in all channels" : none,
         countOf(Work::chromatic));
@@ -296,7 +323,7 @@ class EffectList {
     const std::string depth =
         integrator.maxDepth < 0 ? "max_depth is unbounded" : fmt::format("max_depth {}", integrator.maxDepth);
     add("multiple-scattering", isMultiple, depth + at(integrator.origin.of("max_depth")),
-        countOf(Work::laterScattering));
+        countOf(Work::laterScattering), shareOfSegments(Work::laterScattering));
     const bool mayBeLongEnough = integrator.maxDepth < 0 || integrator.maxDepth > integrator.rrDepth;
     const bool plays = mayBeLongEnough && integrator.rrDepth < std::numeric_limits<int>::max();
     add("russian-roulette", plays,

@@ -19,7 +19,8 @@ struct Effect {
   bool isOn = false;
   /// Work done for it alone, of the render's statistics: 0 where the effect is off.
   std::function<std::uint64_t(const render::WorkerStatistics&)> work;
-  /// Part of the work of paths, as far as it can be told apart; null where it cannot.
+  /// Part of the work of paths, as far as it can be told apart; null where it cannot. Parts overlap: light of the sun
+  /// is sampled at scattering events.
   std::function<double(const render::WorkerStatistics&)> share;
 };
 

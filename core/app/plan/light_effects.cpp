@@ -41,6 +41,25 @@ Counter samplesOf(std::vector<std::size_t> lights) {
   };
 }
 
+/// Of the work for lights, by how often each was asked.
+std::function<double(const render::WorkerStatistics&)> shareOf(Counter samples) {
+  return [samples = std::move(samples)](const render::WorkerStatistics& s) {
+    std::uint64_t seen = 0, asked = 0;
+    for (const std::uint64_t count : s.phases) seen += count;
+    for (const std::uint64_t count : s.lightSamples) asked += count;
+    if (seen == 0 || asked == 0) return 0.0;
+    const auto ofLights = static_cast<double>(s.phases[static_cast<std::size_t>(Phase::lights)]);
+    return ofLights / static_cast<double>(seen) * static_cast<double>(samples(s)) / static_cast<double>(asked);
+  };
+}
+
+Effect kindOf(const char* name, const Names& names, const char* offReason, std::vector<std::size_t> lights) {
+  const Counter samples = samplesOf(std::move(lights));
+  Effect effect = effectOf(name, names, offReason, samples);
+  effect.share = shareOf(samples);
+  return effect;
+}
+
 }  // namespace
 
 void addLightEffects(const scene::SceneDescription& description, const render::PreparedScene& scene,
@@ -54,7 +73,7 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
       found.add(kind.name, emitter.origin.location);
       lights.push_back(i);
     }
-    effects.push_back(effectOf(kind.effect, found, "none in the scene", samplesOf(std::move(lights))));
+    effects.push_back(kindOf(kind.effect, found, "none in the scene", std::move(lights)));
   }
   Names areas, linked, straight;
   std::vector<std::size_t> shining;
@@ -63,7 +82,7 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
     areas.add("area", shape.emitter->origin.location);
     shining.push_back(description.emitters.size() + shining.size());
   }
-  effects.push_back(effectOf("area-lights", areas, "no shape emits light", samplesOf(std::move(shining))));
+  effects.push_back(kindOf("area-lights", areas, "no shape emits light", std::move(shining)));
   const bool hasTextures = std::ranges::any_of(scene.lightTextures, [](const auto& each) { return each.has_value(); });
   effects.push_back({"light-textures",
                      hasTextures ? "some light is multiplied by a texture" : "no light has a texture",
@@ -81,10 +100,11 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
   const bool mayScatter = std::ranges::any_of(scene.media, &volume::Medium::mayScatter);
   const bool isEquiangular = scene.path.equiangular && mayScatter && !scene.lights.placed().empty();
   effects.push_back({"equiangular-sampling",
-                     isEquiangular             ? "distances in media are also sampled for lights beside the ray"
-                     : !scene.path.equiangular ? "the scene or the command line turns it off"
-                     : !mayScatter             ? "no medium scatters"
-                                               : "no light is somewhere near rays",
+                     isEquiangular              ? "distances in media are also sampled for lights beside the ray"
+                     : !scene.path.equiangular  ? "the scene or the command line turns it off"
+                     : !mayScatter              ? "no medium scatters"
+                     : scene.lights.size() == 0 ? "there are no lights"
+                                                : "all lights are infinitely far away",
                      isEquiangular,
                      countOf(render::Work::chosenDistance),
                      {}});

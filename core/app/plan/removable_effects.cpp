@@ -2,12 +2,28 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "core/app/plan/effects.h"
 
 namespace aerosol::app {
 
 namespace {
+
+/// A parameter of all materials that give it another value than 0.
+void clearParameter(scene::SceneDescription& description, const char* name) {
+  for (scene::ShaderUse& material : description.materials) {
+    for (scene::ShaderParameter& parameter : material.parameters) {
+      if (parameter.name == name) parameter.value = 0;
+    }
+  }
+}
+
+/// An object stands as it does when the shutter opens.
+template <class P>
+void freeze(P& placement, const scene::SceneDescription& description) {
+  if (!placement.keys.empty()) placement = P(placement.at(description.sensor.shutterOpen));
+}
 
 void dropEmitters(scene::SceneDescription& description, scene::EmitterType type) {
   std::erase_if(description.emitters, [&](const scene::Emitter& each) { return each.type == type; });
@@ -25,9 +41,30 @@ const std::vector<RemovableEffect>& removableEffects() {
        }},
       {"motion", "everything stands as it does when the shutter opens",
        [](SceneDescription& d) { d.sensor.shutterClose = d.sensor.shutterOpen; }},
+      {"moving-camera", "the camera stands where it does when the shutter opens",
+       [](SceneDescription& d) { freeze(d.sensor.toWorld, d); }},
+      {"moving-shapes", "shapes stand as they do when the shutter opens",
+       [](SceneDescription& d) {
+         for (scene::Shape& shape : d.shapes) freeze(shape.toWorld, d);
+       }},
+      {"moving-lights", "lights stand as they do when the shutter opens, and shapes that shine",
+       [](SceneDescription& d) {
+         for (scene::Emitter& emitter : d.emitters) freeze(emitter.toWorld, d);
+         for (scene::Shape& shape : d.shapes) {
+           if (shape.emitter) freeze(shape.toWorld, d);
+         }
+       }},
+      {"moving-volumes", "volume primitives stand as they do when the shutter opens",
+       [](SceneDescription& d) {
+         for (scene::Volume& volume : d.volumes) freeze(volume.toWorld, d);
+       }},
       {"velocity-blur", "media do not move by their velocities",
        [](SceneDescription& d) {
          for (scene::Volume& volume : d.volumes) volume.velocity = {};
+       }},
+      {"holdouts", "volumes that cut holes are seen like others",
+       [](SceneDescription& d) {
+         for (scene::Volume& volume : d.volumes) volume.controls.holdout = false;
        }},
       {"equiangular-sampling", "the same image in the mean; more noise around lights in media",
        [](SceneDescription& d) { d.integrator.equiangular = false; }},
@@ -44,6 +81,38 @@ const std::vector<RemovableEffect>& removableEffects() {
          d.integrator.lodPixels = 0;
          d.integrator.lodDepth = 0;
        }},
+      {"light-links", "all lights light all volumes",
+       [](SceneDescription& d) {
+         for (scene::Volume& volume : d.volumes) volume.controls.lights.clear();
+       }},
+      {"light-textures", "lights with a texture shine evenly: by what the texture multiplies",
+       [](SceneDescription& d) {
+         for (scene::Emitter& emitter : d.emitters) {
+           if (emitter.type != scene::EmitterType::background) emitter.texture.reset();
+         }
+         for (scene::Shape& shape : d.shapes) {
+           if (shape.emitter) shape.emitter->texture.reset();
+         }
+       }},
+      {"straight-shadows", "glass casts the shadows of what bends light: caustics, and their noise",
+       [](SceneDescription& d) { clearParameter(d, "straight_shadows"); }},
+      {"nested-media", "shapes that overlap do not know of each other: light is bent at every face",
+       [](SceneDescription& d) {
+         clearParameter(d, "priority");
+         for (scene::Shape& shape : d.shapes) shape.priority = 0;
+       }},
+      {"volume-looks", "media are as their shaders say: factors and ramps of volumes are left out",
+       [](SceneDescription& d) {
+         for (scene::Volume& volume : d.volumes) {
+           scene::VolumeControls plain;
+           plain.stepScale = volume.controls.stepScale;
+           plain.holdout = volume.controls.holdout;
+           plain.lights = volume.controls.lights;
+           volume.controls = plain;
+         }
+       }},
+      {"bound-trees", "one bound holds for a whole medium: the same image in the mean, at another cost",
+       [](SceneDescription& d) { d.integrator.boundBoxes = 0; }},
       {"volumes", "volume primitives are left out", [](SceneDescription& d) { d.volumes.clear(); }},
       {"surface-media", "media inside and outside of shapes are left out",
        [](SceneDescription& d) {
@@ -70,6 +139,14 @@ const std::vector<RemovableEffect>& removableEffects() {
        [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::projector); }},
       {"environment-maps", "environment maps are black",
        [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::envmap); }},
+      {"background-shaders", "there is no background by a shader",
+       [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::background); }},
+      {"layers", "nothing is gathered beside the picture",
+       [](SceneDescription& d) {
+         d.integrator.aovList.clear();
+         d.integrator.aovs.clear();
+       }},
+      {"deep-output", "no deep image is gathered", [](SceneDescription&) {}},
       {"sun-and-sky", "there is neither the sun nor the sky of a place",
        [](SceneDescription& d) { dropEmitters(d, scene::EmitterType::sunsky); }},
   };

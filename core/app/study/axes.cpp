@@ -13,8 +13,11 @@ namespace {
 
 StudySetting withDistance(const StudyArguments& arguments, scene::DistanceSampling distance, float stepScale) {
   const bool isMarching = distance == scene::DistanceSampling::marching;
-  StudySetting setting{
-      isMarching ? "marching" : "null scattering", {"--distance", isMarching ? "marching" : "null"}, arguments.render};
+  const char* const name = isMarching                                     ? "marching"
+                           : distance == scene::DistanceSampling::relaxed ? "null scattering, relaxed"
+                                                                          : "null scattering";
+  const char* const word = scene::Words<scene::DistanceSampling>::words[static_cast<std::size_t>(distance)];
+  StudySetting setting{name, {"--distance", word}, arguments.render};
   setting.arguments.distance = distance;
   if (isMarching) {
     const float scale = stepScale * arguments.render.stepScale.value_or(1);
@@ -25,8 +28,17 @@ StudySetting withDistance(const StudyArguments& arguments, scene::DistanceSampli
   return setting;
 }
 
-/// "volume.step_scale" and "step_scale" stand for the option of that name, "distance" for that one; all else is a
-/// parameter of the scene.
+/// Marching with the way to lights estimated otherwise.
+StudySetting withTransmittance(StudySetting setting, scene::TransmittanceSampling transmittance, const char* name) {
+  const char* const word = scene::Words<scene::TransmittanceSampling>::words[static_cast<std::size_t>(transmittance)];
+  setting.arguments.transmittance = transmittance;
+  setting.words.insert(setting.words.end(), {"--transmittance", word});
+  setting.name = fmt::format("marching, {} to lights", name);
+  return setting;
+}
+
+/// "volume.step_scale" and "step_scale" stand for the option of that name, "distance" and "transmittance" for those;
+/// all else is a parameter of the scene.
 Result<StudySetting> vary(const StudySetting& base, const StudyAxis& axis, const std::string& value) {
   StudySetting setting = base;
   const auto add = [&](std::vector<std::string> words) {
@@ -34,7 +46,7 @@ Result<StudySetting> vary(const StudySetting& base, const StudyAxis& axis, const
     const std::string name = axis.parameter + " = " + value;
     setting.name = setting.name.empty() ? name : setting.name + ", " + name;
   };
-  const auto refuse = [&](const char* what) {
+  const auto refuse = [&](const std::string& what) {
     return Diagnostic{
         Severity::error, {}, fmt::format("--vary {}: '{}' is not {}", axis.parameter, value, what), {}, {}};
   };
@@ -47,10 +59,15 @@ Result<StudySetting> vary(const StudySetting& base, const StudyAxis& axis, const
   } else if (axis.parameter == "distance") {
     constexpr auto& words = scene::Words<scene::DistanceSampling>::words;
     const auto word = std::find(words.begin(), words.end(), value);
-    if (word == words.end())
-      return refuse("one of auto, marching, null, relaxed, analytic, delta, decomposition, candidates");
+    if (word == words.end()) return refuse(fmt::format("one of {}", fmt::join(words, ", ")));
     setting.arguments.distance = static_cast<scene::DistanceSampling>(word - words.begin());
     add({"--distance", value});
+  } else if (axis.parameter == "transmittance") {
+    constexpr auto& words = scene::Words<scene::TransmittanceSampling>::words;
+    const auto word = std::find(words.begin(), words.end(), value);
+    if (word == words.end()) return refuse(fmt::format("one of {}", fmt::join(words, ", ")));
+    setting.arguments.transmittance = static_cast<scene::TransmittanceSampling>(word - words.begin());
+    add({"--transmittance", value});
   } else {
     setting.arguments.overrides.push_back(axis.parameter + "=" + value);
     add({"--set", axis.parameter + "=" + value});
@@ -76,15 +93,25 @@ bool hasVaryingMedium(const render::PreparedScene& scene) {
 Result<std::vector<StudySetting>> studySettings(const StudyArguments& arguments, const render::PreparedScene& scene,
                                                 bool allowsNullScattering) {
   using scene::DistanceSampling;
+  using scene::TransmittanceSampling;
   std::vector<StudySetting> settings;
   if (arguments.axes.empty()) {
     if (!hasVaryingMedium(scene)) return std::vector{StudySetting{"as the scene is", {}, arguments.render}};
     // Voxels in closed form are what the scene has by itself.
     if (hasClosedFormOfVoxels(scene)) settings.push_back({"as the scene is", {}, arguments.render});
-    if (allowsNullScattering) settings.push_back(withDistance(arguments, DistanceSampling::nullScattering, 1));
+    if (allowsNullScattering) {
+      settings.push_back(withDistance(arguments, DistanceSampling::nullScattering, 1));
+      settings.push_back(withDistance(arguments, DistanceSampling::relaxed, 1));
+    }
     for (const float scale : {0.5f, 1.0f, 2.0f, 4.0f, 8.0f}) {
       settings.push_back(withDistance(arguments, DistanceSampling::marching, scale));
     }
+    // The estimators of the way to lights that are neither; those who asked for one have it everywhere.
+    if (arguments.render.transmittance) return settings;
+    const StudySetting marching = withDistance(arguments, DistanceSampling::marching, 1);
+    settings.push_back(withTransmittance(marching, TransmittanceSampling::twoCombs, "two combs"));
+    if (allowsNullScattering)
+      settings.push_back(withTransmittance(marching, TransmittanceSampling::unbiased, "unbiased"));
     return settings;
   }
   settings.push_back({"", {}, arguments.render});

@@ -46,6 +46,12 @@ std::string plain(double value) {
   return fmt::format("{:.0e}", value);
 }
 
+/// What fits into the legend: the end of a long name tells it from others.
+std::string shorten(const std::string& name) {
+  constexpr std::size_t longest = 34;
+  return name.size() <= longest ? name : "..." + name.substr(name.size() - longest + 3);
+}
+
 }  // namespace
 
 ChartLayout layOut(const Chart& chart) {
@@ -87,7 +93,7 @@ ChartLayout layOut(const Chart& chart) {
     }
     const double from = L::width - L::right + 16;
     plotted.sample = {{from, legend}, {from + 26, legend}};
-    plotted.label = {{from + 34, legend + 4}, series.name, TextAnchor::start, false, false};
+    plotted.label = {{from + 34, legend + 4}, shorten(series.name), TextAnchor::start, false, false};
     legend += 20;
     layout.series.push_back(std::move(plotted));
   }

@@ -36,8 +36,8 @@ struct PlotSeries {
 };
 
 struct ChartLayout {
-  static constexpr double width = 860, height = 460;
-  static constexpr double left = 74, right = 250, top = 40, bottom = 56;
+  static constexpr double width = 900, height = 460;
+  static constexpr double left = 74, right = 290, top = 40, bottom = 56;
 
   std::vector<PlotLine> strongGrid, weakGrid;
   std::vector<PlotText> texts;

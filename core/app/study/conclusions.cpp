@@ -109,8 +109,7 @@ Chart partsChart(const StudyResults& results) {
   Chart chart = makeChart("noise (lines) and bias (dashed) apart");
   for (std::size_t i = 0; i < results.cases.size(); ++i) {
     const StudyCase& study = results.cases[i];
-    ChartSeries noise{study.name + " noise", chartColor(i), false, {}},
-        bias{study.name + " bias", chartColor(i), true, {}};
+    ChartSeries noise{study.name, chartColor(i), false, {}}, bias{study.name + " bias", chartColor(i), true, {}};
     for (const StudyRound& round : study.rounds) {
       const auto [value, error] = round.variance;
       if (value > 0) {

@@ -23,7 +23,7 @@ h1 { font-size: 30px; margin: 0 0 4px; } h2 { font-size: 20px; margin: 40px 0 8p
 svg.chart { width: 100%; height: auto; background: #fff; border: 1px solid var(--line); border-radius: 6px; }
 svg.chart text { font: 12px system-ui, sans-serif; fill: #3b3a36; } svg.chart text.title { font-size: 16px; font-weight: 600; }
 table { border-collapse: collapse; width: 100%; background: #fff; border: 1px solid var(--line); font-size: 14px; }
-th, td { padding: 7px 8px; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
+.wide { overflow-x: auto; } th, td { padding: 7px 8px; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; } th { color: var(--soft); font-weight: 600; }
 .dot { display: inline-block; width: 10px; height: 10px; border-radius: 5px; margin-right: 8px; }
 .compare { display: flex; flex-wrap: wrap; gap: 12px; align-items: center; margin: 8px 0; }
@@ -102,7 +102,8 @@ std::string answerOf(const StudyResults& results) {
 
 std::string tableOf(const StudyResults& results) {
   std::string html = fmt::format(
-      "<table><thead><tr><th>method</th><th>error in {}</th><th>last error</th><th>noise</th><th>bias</th>"
+      "<div class=\"wide\"><table><thead><tr><th>method</th><th>error in {}</th><th>last "
+      "error</th><th>noise</th><th>bias</th>"
       "<th>samples</th><th>time</th><th>half of it costs</th></tr></thead><tbody>\n",
       formatDuration(equalTime(results)));
   for (const StudyRow& row : sortRows(results)) {
@@ -123,7 +124,7 @@ std::string tableOf(const StudyResults& results) {
         formatError(positiveRoot(last.squaredError.value)), formatError(positiveRoot(last.variance.value)), bias,
         last.samples, formatDuration(last.seconds), cost);
   }
-  return html + "</tbody></table>\n<p class=\"soft\">~ within noise of the row above</p>\n";
+  return html + "</tbody></table></div>\n<p class=\"soft\">~ within noise of the row above</p>\n";
 }
 
 std::string optionsOf(const StudyResults& results, std::size_t chosen) {
@@ -163,6 +164,12 @@ std::string method(const StudyResults& results) {
       "is called noise.</p>\n",
       results.repetitions, r.width, r.height, escapeHtml(results.machine), escapeHtml(r.method), r.samples,
       formatDuration(r.seconds), formatError(r.error));
+  if (const double share = results.machineTime.share(); share < 0.8) {
+    html += fmt::format(
+        "<p>The machine was busy with other work: it gave these renders {:.0f}% of the processors that they could use. "
+        "Times are longer than on an idle machine, and less even; errors are what they are.</p>\n",
+        100 * share);
+  }
   html += "<p class=\"soft\">The same render again, with the samples of its last round:</p><ul class=\"soft\">";
   for (const StudyCase& study : results.cases) {
     if (study.rounds.empty()) continue;
@@ -182,7 +189,13 @@ std::string studyPage(const StudyResults& results, const std::vector<std::string
       "</head>\n<body><main>\n<h1>What accuracy costs</h1>\n<p class=\"soft\">{0}, by {2}</p>\n",
       escapeHtml(results.scene), style, escapeHtml(results.program));
   html += answerOf(results);
-  html += "<h2>Error against time</h2>\n" + chartSvg(errorChart(results));
+  html +=
+      "<h2>Error against time</h2>\n<p class=\"soft\">Down is better, and so is left. Error has two parts: noise, "
+      "which time "
+      "takes away, and bias, which stays however long it renders: where a line goes flat it has met its bias. Bands "
+      "are "
+      "what chance may have done.</p>\n" +
+      chartSvg(errorChart(results));
   html += "<h2>Noise and bias apart</h2>\n" + chartSvg(partsChart(results));
   html += "<h2>In equal time</h2>\n" + tableOf(results);
   html += "<h2>Side by side</h2>\n" + comparison(results, pictures);

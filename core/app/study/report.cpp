@@ -71,6 +71,7 @@ std::string studyJson(const StudyResults& results) {
       .text("program", results.program)
       .text("machine", results.machine)
       .count("repetitions", static_cast<std::uint64_t>(results.repetitions))
+      .number("shareOfProcessors", results.machineTime.share())
       .number("equalTimeSeconds", equalTime(results));
   json.key("conclusions").beginArray();
   for (const std::string& sentence : conclusions(results)) json.text(sentence);

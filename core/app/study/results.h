@@ -49,12 +49,26 @@ struct StudyCase {
   bool isComplete = false;
 };
 
+/// What a render had of the processors, in seconds of theirs.
+struct StudyMachineTime {
+  double had = 0, wanted = 0;
+
+  StudyMachineTime& operator+=(const StudyMachineTime& other) {
+    had += other.had;
+    wanted += other.wanted;
+    return *this;
+  }
+  /// 1 where nothing else ran.
+  double share() const { return wanted > 0 ? had / wanted : 1; }
+};
+
 struct StudyResults {
   std::string key;  ///< Hash of all that decides the results but time.
   std::string scene;
   std::string program, machine;
   int repetitions = 8;
   double budget = 0;
+  StudyMachineTime machineTime;
   StudyReference reference;
   std::vector<StudyCase> cases;
 };
@@ -77,8 +91,12 @@ void describe(A& archive, StudyCase& c) {
   archive(c.name, c.arguments, c.prepareSeconds, c.rounds, c.picture, c.isComplete);
 }
 template <class A>
+void describe(A& archive, StudyMachineTime& t) {
+  archive(t.had, t.wanted);
+}
+template <class A>
 void describe(A& archive, StudyResults& r) {
-  archive(r.key, r.scene, r.program, r.machine, r.repetitions, r.budget, r.reference, r.cases);
+  archive(r.key, r.scene, r.program, r.machine, r.repetitions, r.budget, r.machineTime, r.reference, r.cases);
 }
 
 }  // namespace aerosol::app

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -40,20 +41,6 @@ constexpr double referenceShare = 0.35;
 constexpr double largestReferencePart = 0.5;
 constexpr float referenceStepScale = 1.0f / 8;
 
-/// Messages that were told before.
-class SilentConsole {
- public:
-  SilentConsole() : stream_(std::fopen("/dev/null", "w")) { console_.err = console_.out = stream_; }
-  ~SilentConsole() { std::fclose(stream_); }
-  SilentConsole(const SilentConsole&) = delete;
-  SilentConsole& operator=(const SilentConsole&) = delete;
-  const Console& get() const { return console_; }
-
- private:
-  std::FILE* stream_;
-  Console console_;
-};
-
 /// Several independent renders of one prepared scene, carried on together.
 class Repetitions {
  public:
@@ -66,6 +53,7 @@ class Repetitions {
   /// Each to `samples` a pixel. False when interrupted.
   bool extendTo(std::uint32_t samples) {
     const Clock::time_point start = Clock::now();
+    const std::clock_t processorStart = std::clock();
     for (std::size_t i = 0; i < films_.size(); ++i) {
       render::RenderOptions options;
       options.threads = session_.threadCount();
@@ -77,11 +65,14 @@ class Repetitions {
     }
     samples_ = samples;
     seconds_ += secondsSince(start);
+    processorSeconds_ += static_cast<double>(std::clock() - processorStart) / CLOCKS_PER_SEC;
     return true;
   }
 
   std::uint32_t samples() const { return samples_; }
   double seconds() const { return seconds_; }  ///< All of them together.
+  /// Of what the threads could have had, the machine gave so much.
+  StudyMachineTime machineTime() const { return {processorSeconds_, seconds_ * session_.threadCount()}; }
   std::vector<StudyImage> images() const {
     std::vector<StudyImage> images;
     for (const auto& film : films_) {
@@ -102,7 +93,7 @@ class Repetitions {
   std::uint64_t firstSeed_;
   std::vector<std::unique_ptr<render::Film>> films_;
   std::uint32_t samples_ = 0;
-  double seconds_ = 0;
+  double seconds_ = 0, processorSeconds_ = 0;
 };
 
 class Study {
@@ -234,6 +225,7 @@ class Study {
     }
     reference.samples = renders.samples() * static_cast<std::uint32_t>(arguments_.repetitions);
     reference.seconds = renders.seconds();
+    results_.machineTime += renders.machineTime();
     return save();
   }
 
@@ -270,6 +262,7 @@ class Study {
       study.isComplete = 2 * renders.seconds() > allowed || isReferenceWorse || samples >= 1u << 16;
       if (study.isComplete) break;
     }
+    results_.machineTime += renders.machineTime();
     if (!study.rounds.empty()) {
       const StudyRound& last = study.rounds.back();
       note(fmt::format("{}: {} samples a pixel, error {}, {} a render\n", study.name, last.samples,

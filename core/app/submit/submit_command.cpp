@@ -19,6 +19,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// "shot" of "shot.%04d".
+std::string withoutFrame(std::string name) {
+  const std::size_t percent = name.find('%');
+  if (percent == std::string::npos) return name;
+  name.resize(percent);
+  while (!name.empty() && (name.back() == '.' || name.back() == '_' || name.back() == '-')) name.pop_back();
+  return name.empty() ? "frames" : name;
+}
+
 class Submission {
  public:
   Submission(const SubmitArguments& arguments, const Console& console) : arguments_(arguments), console_(console) {}
@@ -42,10 +51,12 @@ class Submission {
 
   bool checkOutputs() const {
     if (arguments_.render.outputs.empty()) return fail("no output is given", {"-o FILE names the image to make"});
-    const Diagnostics errors = checkOutputNames(arguments_.render.outputs);
+    std::vector<std::string> names = arguments_.render.outputs;
+    if (!arguments_.render.deep.file.empty()) names.push_back(arguments_.render.deep.file);
+    const Diagnostics errors = checkOutputNames(names);
     console_.report(errors);
     if (errors.hasErrors()) return false;
-    for (const std::string& name : arguments_.render.outputs) {
+    for (const std::string& name : names) {
       if (!arguments_.render.frames.empty() && !hasFramePlace(name)) {
         return fail(fmt::format("'{}' has no place for the number of the frame, such as %04d", name));
       }
@@ -72,13 +83,17 @@ class Submission {
     addWord("--distance", r.distance, scene::Words<scene::DistanceSampling>::words);
     addWord("--transmittance", r.transmittance, scene::Words<scene::TransmittanceSampling>::words);
     if (r.noEquiangular) words.push_back("--no-equiangular");
+    if (r.loopBudget != RenderArguments().loopBudget)
+      words.insert(words.end(), {"--loop-budget", std::to_string(r.loopBudget)});
+    for (const scene::AovRequest& aov : r.aovs) words.insert(words.end(), {"--aov", aov.name + "=" + aov.quantity});
     if (!r.plan.empty()) words.insert(words.end(), {"--plan", fs::absolute(r.plan).string()});
     return words;
   }
 
   void plan(int spp) {
     const RenderArguments& r = arguments_.render;
-    job_.name = r.scene.stem().string();
+    // Of the image, so that several of one scene have folders of their own.
+    job_.name = withoutFrame(fs::path(r.outputs.front()).stem().string());
     job_.program = fs::read_symlink("/proc/self/exe").string();
     const std::string place = r.outputs.front();
     job_.folder = arguments_.folder.empty()
@@ -93,10 +108,16 @@ class Submission {
   void addFrame(const std::optional<int>& frame, int spp, const std::vector<std::string>& common) {
     const auto ranges = splitSamples(spp, arguments_.tasks);
     std::vector<std::string> outputs, merge{"merge", "--quiet"};
-    for (const std::string& name : arguments_.render.outputs) {
-      const std::string absolute = fs::absolute(frame ? nameOfFrame(name, *frame) : name).string();
-      outputs.insert(outputs.end(), {"-o", absolute});
-    }
+    const auto place = [&](const std::string& name) {
+      return name.empty() ? name : fs::absolute(frame ? nameOfFrame(name, *frame) : name).string();
+    };
+    for (const std::string& name : arguments_.render.outputs) outputs.insert(outputs.end(), {"-o", place(name)});
+    const DeepArguments& deep = arguments_.render.deep;
+    const auto addDeep = [&](std::vector<std::string>& words, const std::string& file, bool gathers) {
+      if (deep.file.empty()) return;
+      words.insert(words.end(), {"--deep", file, "--deep-error", fmt::format("{}", deep.error)});
+      if (gathers) words.insert(words.end(), {"--deep-slices", std::to_string(deep.slices)});
+    };
     for (std::size_t i = 0; i < ranges.size(); ++i) {
       SubmitTask task{frame, {}, {"render", fs::absolute(arguments_.render.scene).string()}};
       task.words.insert(task.words.end(), common.begin(), common.end());
@@ -107,14 +128,17 @@ class Submission {
                                              frame ? fmt::format("f{}-", *frame) : "", ranges[i].first, ranges[i].end);
         task.words.insert(task.words.end(),
                           {"--samples", fmt::format("{}:{}", ranges[i].first, ranges[i].end), "-o", part});
+        addDeep(task.words, part.substr(0, part.size() - 4) + ".deep.exr", true);
         merge.push_back(part);
       } else {
         task.words.insert(task.words.end(), outputs.begin(), outputs.end());
+        addDeep(task.words, place(deep.file), true);
       }
       job_.renders.push_back(std::move(task));
     }
     if (ranges.size() < 2) return;
     merge.insert(merge.end(), outputs.begin(), outputs.end());
+    addDeep(merge, place(deep.file), false);
     job_.merges.push_back(std::move(merge));
   }
 

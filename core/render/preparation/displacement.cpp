@@ -280,7 +280,8 @@ class DisplacedMesh {
         displacement_.shader.origin.location,
         fmt::format("displacement '{}' moves {} of {} vertices to nowhere (NaN or infinite): they stay where they were",
                     displacement_.shader.name, unsound_, points_.size()),
-        {fmt::format("the first one at ({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z)});
+        {fmt::format("the first one at ({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z),
+         "a division by 0, or a root or logarithm of a negative number: bound what it is taken of"});
   }
 
   Preparation& state_;
@@ -305,11 +306,12 @@ class DisplacedMesh {
 void warnOfTime(Preparation& state, const scene::Displacement& displacement, shading::InstanceRef shader) {
   const auto& interface = state.scene->shading.family(shader).kernel(shading::Variant::displacement).interface();
   if (state.scene->shutter.isInstant() || !interface.reads(lang::Global::time)) return;
-  state.warnings.warning(displacement.shader.origin.location,
-                         fmt::format("displacement '{}' reads the time: the surface keeps the form that it has when "
-                                     "the shutter opens",
-                                     displacement.shader.name),
-                         {"only transforms blur it"});
+  state.warnings.warning(
+      displacement.shader.origin.location,
+      fmt::format("displacement '{}' reads the time: the surface keeps the form that it has when "
+                  "the shutter opens",
+                  displacement.shader.name),
+      {"only transforms blur it: an <animation> moves the shape, or leave the time out of the shader"});
 }
 
 }  // namespace

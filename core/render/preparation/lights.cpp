@@ -69,7 +69,8 @@ SkyPicture skyPicture(Preparation& state, const scene::Emitter& emitter, shading
   });
   if (!isSound)
     state.warnings.warning(emitter.origin.location,
-                           "the shader of this background is NaN or infinite in some directions, which stay black");
+                           "the shader of this background is NaN or infinite in some directions, which stay black",
+                           {"a division by 0, or a root or logarithm of a negative number: bound what it is taken of"});
   return picture;
 }
 

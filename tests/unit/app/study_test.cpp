@@ -12,6 +12,7 @@ namespace aerosol::app {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr std::size_t values = 3 * 400;
 
@@ -147,6 +148,9 @@ TEST(StudyReport, SaysWhatHalvingTheErrorCosts) {
   EXPECT_THAT(page, HasSubstr("biased &lt;&amp;&gt;"));
   EXPECT_EQ(page.find("biased <&>"), std::string::npos);
   EXPECT_EQ(page.find("http"), std::string::npos) << "the page needs no other file";
+  EXPECT_THAT(page, Not(HasSubstr("busy with other work")));
+  results.machineTime = {2, 4};
+  EXPECT_THAT(studyPage(results, {"", "", ""}), HasSubstr("it gave these renders 50% of the processors"));
   EXPECT_THAT(studyCsv(results), HasSubstr("\"unbiased\",1,0.1,"));
   EXPECT_THAT(studyJson(results), HasSubstr("\"errorInEqualTime\": 0.025"));
 }
