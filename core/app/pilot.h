@@ -19,8 +19,8 @@ struct PilotReport {
   double processorSeconds = 0;  ///< Of all threads together.
 };
 
-/// Renders a prepared session's film, with its layers, with 1, 2, 4 … samples a pixel, 8 at least, until it took so many
-/// seconds or has the most samples; profiled.
+/// Renders a prepared session's film, with its layers, with 1, 2, 4 … samples a pixel, 8 at least, until it took so
+/// many seconds or has the most samples; profiled.
 PilotReport renderPilot(const SceneSession& session, double seconds, std::uint32_t mostSamples = 1u << 12);
 
 }  // namespace aerosol::app

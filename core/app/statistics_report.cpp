@@ -81,21 +81,8 @@ void addOverlap(Table& table, const render::PreparedScene& scene) {
                         formatShort(number(s.bytes))));
 }
 
-/// How each medium is sampled, and why; media of which the same is to be said share a row.
 void addSampling(Table& table, const render::PreparedScene& scene) {
-  std::vector<std::pair<std::string, int>> rows;
-  for (std::size_t i = 0; i < scene.samplingReasons.size(); ++i) {
-    const std::string text = fmt::format("'{}': {}", scene.mediumNames[i], scene.samplingReasons[i]);
-    const auto known = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.first == text; });
-    if (known != rows.end()) {
-      ++known->second;
-    } else {
-      rows.emplace_back(text, 1);
-    }
-  }
-  for (const auto& [text, count] : rows) {
-    table.row("distances", count == 1 ? text : fmt::format("{} ({} media)", text, count));
-  }
+  for (const std::string& line : samplingOfMedia(scene)) table.row("distances", line);
   if (!scene.lights.tree().isEmpty()) {
     table.row("lights", fmt::format("{} in a hierarchy of {}B", formatCount(scene.lights.size(), "light"),
                                     formatShort(number(scene.lights.tree().bytes()))));
@@ -141,6 +128,24 @@ void addBounds(Table& table, const render::PreparedScene& scene) {
 }
 
 }  // namespace
+
+std::vector<std::string> samplingOfMedia(const render::PreparedScene& scene) {
+  std::vector<std::pair<std::string, int>> rows;
+  for (std::size_t i = 0; i < scene.samplingReasons.size(); ++i) {
+    const std::string text = fmt::format("'{}': {}", scene.mediumNames[i], scene.samplingReasons[i]);
+    const auto known = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.first == text; });
+    if (known != rows.end()) {
+      ++known->second;
+    } else {
+      rows.emplace_back(text, 1);
+    }
+  }
+  std::vector<std::string> lines;
+  for (const auto& [text, count] : rows) {
+    lines.push_back(count == 1 ? text : fmt::format("{} ({} media)", text, count));
+  }
+  return lines;
+}
 
 std::string formatStatistics(const render::PreparedScene& scene, const render::RenderReport& report,
                              const render::Film& film, const PreparationTimes& times, int threads,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/jit/object_cache.h"
 #include "core/render/film.h"
@@ -15,6 +16,9 @@ struct PreparationTimes {
   double load = 0;     ///< Reading the scene.
   double prepare = 0;  ///< Shaders, geometry, lights.
 };
+
+/// How each medium is sampled and why, a line each; media of which the same is to be said share one.
+std::vector<std::string> samplingOfMedia(const render::PreparedScene& scene);
 
 /// A table for people; `threads` is how many rendered, `cache` may be null.
 std::string formatStatistics(const render::PreparedScene& scene, const render::RenderReport& report,

@@ -13,6 +13,7 @@
 #include "core/app/plan/features.h"
 #include "core/app/quantity.h"
 #include "core/app/scene_session.h"
+#include "core/app/statistics_report.h"
 
 namespace aerosol::app {
 
@@ -84,6 +85,7 @@ class Plan {
     effects_ = listEffects(session_.description(), session_.scene());
     measureOutputs();
     console_.print(table());
+    console_.print(sampling());
     if (!arguments_.render.without.empty() && !tellWhatIsForcedOff()) return ExitCode::badInput;
     console_.print(rest());
     return ExitCode::success;
@@ -160,6 +162,12 @@ class Plan {
   }
 
   /// What no effect claims, and of what all shares are.
+  std::string sampling() const {
+    std::string text;
+    for (const std::string& line : samplingOfMedia(session_.scene())) text += fmt::format("  {}\n", line);
+    return text.empty() ? text : "Media are sampled by\n" + text;
+  }
+
   std::string rest() const {
     std::string parts;
     for (const PhaseCost& cost : phaseCosts(pilot_.report.statistics)) {
