@@ -86,12 +86,17 @@ std::size_t sweepSegments(const MovingPlacement& placement) {
   return std::clamp<std::size_t>(4 * placement.motion().keys().size(), 8, most);
 }
 
-SurfaceHit placeHit(const SurfaceHit& hit, const Transform<World, Object>& placement) {
+SurfaceHit placeHit(const SurfaceHit& hit, const MeshSurface* mesh, const Transform<World, Object>& placement) {
   const Matrix4 &forward = placement.matrix(), &inverse = placement.inverseMatrix();
   SurfaceHit placed = hit;
-  placed.point = toFloat<Point<World>>(mapPoint(forward, toDouble(hit.point)));
-  placed.geometricNormal = toFloat<Normal<World>>(normalize(mapNormal(inverse, toDouble(hit.geometricNormal))));
-  placed.shadingNormal = toFloat<Normal<World>>(normalize(mapNormal(inverse, toDouble(hit.shadingNormal))));
+  const Double3 point = mesh ? pointOn(mesh->mesh, hit) : toDouble(hit.point);
+  placed.point = toFloat<Point<World>>(mapPoint(forward, point));
+  const Double3 geometric = normalize(mapNormal(inverse, toDouble(hit.geometricNormal)));
+  Double3 shading = normalize(mapNormal(inverse, toDouble(hit.shadingNormal)));
+  // A map that squeezes may turn them apart by more than a right angle.
+  if (dot(shading, geometric) < 0) shading = -shading;
+  placed.geometricNormal = toFloat<Normal<World>>(geometric);
+  placed.shadingNormal = toFloat<Normal<World>>(shading);
   placed.dPdu = toFloat<Vector<World>>(mapVector(forward, toDouble(hit.dPdu)));
   placed.dPdv = toFloat<Vector<World>>(mapVector(forward, toDouble(hit.dPdv)));
   return placed;

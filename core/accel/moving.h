@@ -26,8 +26,9 @@ inline DoubleRay takeBack(const Transform<World, Object>& placement, const Doubl
   return {mapPoint(placement.inverseMatrix(), ray.origin), mapVector(placement.inverseMatrix(), ray.direction)};
 }
 
-/// A hit in the space of what moves, as the world sees it.
-SurfaceHit placeHit(const SurfaceHit& hit, const Transform<World, Object>& placement);
+/// A hit in the space of what moves, as the world sees it. `mesh` is the one that was hit, if it was one: it has the
+/// point before that was rounded.
+SurfaceHit placeHit(const SurfaceHit& hit, const MeshSurface* mesh, const Transform<World, Object>& placement);
 
 /// The ray's distance at which it is nearest to the middle of a box.
 double nearestDistance(const DoubleRay& ray, const Box<World>& box);

@@ -49,14 +49,13 @@ Vector<World> Scene::normalChange(const SurfaceHit& hit, Vector<World> step, flo
   const Surface& surface = data_->surfaces[hit.object];
   Double3 local = toDouble(step);
   Point<World> point = hit.point;
-  std::optional<Transform<World, Object>> placement;
-  if (surface.motion) {
-    placement = surface.motion->placement.at(time);
+  const std::optional<Transform<World, Object>> placement = surface.placement(time);
+  if (placement) {
     local = mapVector(placement->inverseMatrix(), local);
     point = toFloat<Point<World>>(mapPoint(placement->inverseMatrix(), toDouble(point)));
   }
   NormalAndChange found;
-  if (surface.mesh) found = changeOnMesh(surface.mesh->mesh, hit, local);
+  if (const MeshSurface* mesh = surface.restingMesh()) found = changeOnMesh(mesh->mesh, hit, local);
   if (surface.analytic) found = changeOnQuadric(*surface.analytic, point, local);
   if (placement) {
     found = {mapNormal(placement->inverseMatrix(), found.normal), mapNormal(placement->inverseMatrix(), found.change)};

@@ -9,14 +9,18 @@ namespace {
 /// Where and how a ray meets a surface, of which the key is known.
 SurfaceHit describe(const Surface& surface, const Ray<World>& ray, const HitKey& key) {
   const DoubleRay exact{toDouble(ray.origin), toDouble(ray.direction)};
+  if (surface.curves) return describeHit(*surface.curves, key.primitive, exact, key.t);
+  const MeshSurface* const mesh = surface.restingMesh();
   const auto standing = [&](const DoubleRay& r) {
-    return surface.mesh ? describeHit(*surface.mesh, key.primitive, r, key.t)
-                        : describeHit(*surface.analytic, r, key.t);
+    return mesh ? describeHit(*mesh, key.primitive, r, key.t) : describeHit(*surface.analytic, r, key.t);
   };
-  if (!surface.motion) [[likely]]
+  if (surface.restsInWorld()) [[likely]]
     return standing(exact);
-  const Transform<World, Object> placement = surface.motion->placement.at(ray.time);
-  return placeHit(standing(takeBack(placement, exact)), placement);
+  const Transform<World, Object> placement = *surface.placement(ray.time);
+  SurfaceHit hit = placeHit(standing(takeBack(placement, exact)), mesh, placement);
+  hit.object = key.object;
+  hit.passThrough = key.passThrough;
+  return hit;
 }
 
 class Query;
@@ -81,6 +85,8 @@ class Query {
   bool isEmpty() const { return !(begin_ < end_); }
   /// From now on there is nothing else.
   void restrictTo(ObjectId object) { only_ = object; }
+  /// From now on surfaces that are visible to none of these kinds are not there.
+  void lookAs(std::uint32_t kinds) { kinds_ = kinds; }
 
   void findClosest() {
     recordUnbounded();
@@ -112,6 +118,7 @@ class Query {
   /// Whether the hit is now the best one.
   bool offer(const HitKey& key) {
     if (!isInRange(key) || (only_ && key.object != *only_)) return false;
+    if (!scene_.visibleTo.empty() && !(scene_.visibleTo[key.object] & kinds_)) return false;
     if (hasBest_ && !(key < best_)) {
       nextT_ = std::fmin(nextT_, key.t);
       return false;
@@ -144,14 +151,20 @@ class Query {
   float time() const { return ray_.time; }
   Counters& counters() { return counters_; }
 
-  /// Calls `ask(embreeRay, context)` with the ray in the space of a mesh that moves, near to the mesh.
+  /// The key of a hit on the mesh that is being asked for.
+  HitKey keyOf(const MeshSurface& surface, std::uint32_t triangle, double t) const {
+    if (instance_) return {t, instance_->passThrough, instance_->object, triangle};
+    return {t, surface.passThrough, surface.object, triangle};
+  }
+
+  /// Calls `ask(embreeRay, context)` with the ray in the space where a mesh rests, near to the mesh.
   template <class Ask>
-  void inMotion(const SurfaceMotion& motion, Ask&& ask) {
-    const DoubleRay back = takeBack(motion.placement.at(ray_.time), exact_);
+  void whereItRests(const Transform<World, Object>& placement, const Box<World>& atRest, Ask&& ask) {
+    const DoubleRay back = takeBack(placement, exact_);
     const double speed = length(back.direction), outerSlack = slack_;
-    const Double3 lower = toDouble(motion.atRest.lower), upper = toDouble(motion.atRest.upper);
+    const Double3 lower = toDouble(atRest.lower), upper = toDouble(atRest.upper);
     current_ = &back;
-    shift_ = std::fmax(nearestDistance(back, motion.atRest) - length(upper - lower) / speed, 0);
+    shift_ = std::fmax(nearestDistance(back, atRest) - length(upper - lower) / speed, 0);
     const Double3 start = back.origin + back.direction * shift_;
     slack_ = std::fmax(slack_, (length(upper - lower) + length(start - lower) + length(lower)) / speed * 0x1p-20);
     RTCRay r = makeRay();
@@ -169,6 +182,14 @@ class Query {
     current_ = &exact_;
     shift_ = 0;
     slack_ = outerSlack;
+  }
+  /// The same with a shared mesh.
+  template <class Ask>
+  void inInstance(const MeshInstance& instance, Ask&& ask) {
+    if (only_ && instance.object != *only_) return;
+    instance_ = &instance;
+    whereItRests(instance.toWorld, instance.shared->bounds, ask);
+    instance_ = nullptr;
   }
   const SceneData& scene() const { return scene_; }
 
@@ -204,10 +225,11 @@ class Query {
     if (key.object != first.object || key.t - first.t > edgeSlack_) return false;
     if (key.primitive == first.primitive) return key.t == first.t;
     const Surface& surface = scene_.surfaces[key.object];
-    const TriangleMesh& mesh = surface.mesh->mesh;
+    if (surface.curves) return false;
+    const TriangleMesh& mesh = surface.restingMesh()->mesh;
     if (!areNeighbours(mesh, key.primitive, first.primitive)) return false;
-    if (!surface.motion) return entersAt(mesh, key.primitive, exact_) == entersAt(mesh, first.primitive, exact_);
-    const DoubleRay back = takeBack(surface.motion->placement.at(ray_.time), exact_);
+    if (surface.restsInWorld()) return entersAt(mesh, key.primitive, exact_) == entersAt(mesh, first.primitive, exact_);
+    const DoubleRay back = takeBack(*surface.placement(ray_.time), exact_);
     return entersAt(mesh, key.primitive, back) == entersAt(mesh, first.primitive, back);
   }
 
@@ -260,7 +282,8 @@ class Query {
   const Ray<World>& ray_;
   DoubleRay exact_;
   const DoubleRay* current_ = &exact_;
-  double shift_ = 0;  ///< Of Embree's distances.
+  const MeshInstance* instance_ = nullptr;  ///< Whose mesh is being asked for; null: one that nothing shares.
+  double shift_ = 0;                        ///< Of Embree's distances.
   float embreeTime_ = 0;
   const HitKey* after_;
   double begin_, end_;
@@ -269,10 +292,25 @@ class Query {
   double nextT_ = std::numeric_limits<double>::infinity();  ///< Of the nearest hit offered but for the best one.
   bool hasBest_ = false;
   std::optional<ObjectId> only_;
+  std::uint32_t kinds_ = ~0u;
   SpanBuffer& spans_;
   InterfaceBuffer* interfaces_ = nullptr;
   Counters& counters_;
 };
+
+}  // namespace
+
+namespace {
+
+/// Whether a query of a mesh alone finds a hit.
+bool isMet(RTCScene mesh, const RTCRay& ray, EmbreeContext& context) {
+  RTCRayHit embreeRay{};
+  embreeRay.ray = ray;
+  embreeRay.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  embreeRay.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  intersectRay(mesh, context, embreeRay);
+  return embreeRay.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
 
 }  // namespace
 
@@ -281,7 +319,7 @@ void acceptTriangle(const RTCFilterFunctionNArguments* arguments) {
   const auto& surface = *static_cast<const MeshSurface*>(arguments->geometryUserPtr);
   const std::uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, 0);
   const auto t = planeDistance(surface.mesh, triangle, query.exactRay());
-  if (!t || !query.offer({*t, surface.passThrough, surface.object, triangle})) {
+  if (!t || !query.offer(query.keyOf(surface, triangle, *t))) {
     arguments->valid[0] = 0;
     return;
   }
@@ -294,7 +332,45 @@ void acceptShadowTriangle(const RTCFilterFunctionNArguments* arguments) {
   const std::uint32_t triangle = RTCHitN_primID(arguments->hit, arguments->N, 0);
   const auto t = planeDistance(surface.mesh, triangle, query.exactRay());
   const auto entering = [&] { return entersAt(surface.mesh, triangle, query.exactRay()); };
-  if (!t || !query.offerShadow({*t, surface.passThrough, surface.object, triangle}, entering)) {
+  if (!t || !query.offerShadow(query.keyOf(surface, triangle, *t), entering)) {
+    arguments->valid[0] = 0;
+  }
+}
+
+namespace {
+
+/// Fibres are met from outside alone: what they let through is told by their material, and where it comes in.
+bool leavesFibre(const RTCFilterFunctionNArguments* arguments, const DoubleRay& ray) {
+  const Double3 normal{static_cast<double>(RTCHitN_Ng_x(arguments->hit, arguments->N, 0)),
+                       static_cast<double>(RTCHitN_Ng_y(arguments->hit, arguments->N, 0)),
+                       static_cast<double>(RTCHitN_Ng_z(arguments->hit, arguments->N, 0))};
+  return dot(normal, ray.direction) > 0;
+}
+
+}  // namespace
+
+/// Of fibres Embree knows the distance best.
+void acceptCurve(const RTCFilterFunctionNArguments* arguments) {
+  Query& query = Query::of(arguments->context);
+  const auto& surface = *static_cast<const CurveSurface*>(arguments->geometryUserPtr);
+  const std::uint32_t segment = RTCHitN_primID(arguments->hit, arguments->N, 0);
+  const auto t = static_cast<double>(RTCRayN_tfar(arguments->ray, arguments->N, 0));
+  if (leavesFibre(arguments, query.exactRay()) || isOwnStart(surface, segment, query.exactRay(), t) ||
+      !query.offer({t, surface.passThrough, surface.object, segment})) {
+    arguments->valid[0] = 0;
+    return;
+  }
+  RTCRayN_tfar(arguments->ray, arguments->N, 0) = query.embreeFar();
+}
+
+void acceptShadowCurve(const RTCFilterFunctionNArguments* arguments) {
+  Query& query = Query::of(arguments->context);
+  const auto& surface = *static_cast<const CurveSurface*>(arguments->geometryUserPtr);
+  const std::uint32_t segment = RTCHitN_primID(arguments->hit, arguments->N, 0);
+  const auto t = static_cast<double>(RTCRayN_tfar(arguments->ray, arguments->N, 0));
+  const auto entering = [&] { return entersAt(surface, segment, query.exactRay(), t); };
+  if (leavesFibre(arguments, query.exactRay()) || isOwnStart(surface, segment, query.exactRay(), t) ||
+      !query.offerShadow({t, surface.passThrough, surface.object, segment}, entering)) {
     arguments->valid[0] = 0;
   }
 }
@@ -337,6 +413,31 @@ void recordShadowVolume(const RTCOccludedFunctionNArguments* arguments) {
   query.record(query.scene().bounded[arguments->primID]);
 }
 
+void intersectInstance(const RTCIntersectFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  const MeshInstance& instance = *query.scene().instances[arguments->primID];
+  bool isHit = false;
+  query.inInstance(instance, [&](const RTCRay& ray, EmbreeContext& context) {
+    isHit = isMet(instance.shared->scene, ray, context);
+  });
+  if (!isHit) return;
+  RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, arguments->N), arguments->N, 0) = query.embreeFar();
+  RTCHitN_geomID(RTCRayHitN_HitN(arguments->rayhit, arguments->N), arguments->N, 0) = arguments->geomID;
+}
+
+void occludeInstance(const RTCOccludedFunctionNArguments* arguments) {
+  if (!arguments->valid[0]) return;
+  Query& query = Query::of(arguments->context);
+  const MeshInstance& instance = *query.scene().instances[arguments->primID];
+  bool isBlocked = false;
+  query.inInstance(instance, [&](RTCRay ray, EmbreeContext& context) {
+    occludeRay(instance.shared->scene, context, ray);
+    isBlocked = ray.tfar < 0;
+  });
+  if (isBlocked) RTCRayN_tfar(arguments->ray, arguments->N, 0) = -std::numeric_limits<float>::infinity();
+}
+
 void intersectMoving(const RTCIntersectFunctionNArguments* arguments) {
   if (!arguments->valid[0]) return;
   Query& query = Query::of(arguments->context);
@@ -344,13 +445,9 @@ void intersectMoving(const RTCIntersectFunctionNArguments* arguments) {
   ++query.counters().movingSurfaceTests;
   bool isHit = false;
   if (surface.mesh) {
-    query.inMotion(*surface.motion, [&](const RTCRay& ray, EmbreeContext& context) {
-      RTCRayHit embreeRay{};
-      embreeRay.ray = ray;
-      embreeRay.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      embreeRay.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-      intersectRay(surface.motion->mesh, context, embreeRay);
-      isHit = embreeRay.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    const Transform<World, Object> placement = surface.motion->placement.at(query.time());
+    query.whereItRests(placement, surface.motion->atRest, [&](const RTCRay& ray, EmbreeContext& context) {
+      isHit = isMet(surface.motion->mesh, ray, context);
     });
   } else {
     const DoubleRay back = takeBack(surface.motion->placement.at(query.time()), query.exactRay());
@@ -372,7 +469,8 @@ void occludeMoving(const RTCOccludedFunctionNArguments* arguments) {
   ++query.counters().movingSurfaceTests;
   bool isBlocked = false;
   if (surface.mesh) {
-    query.inMotion(*surface.motion, [&](RTCRay ray, EmbreeContext& context) {
+    const Transform<World, Object> placement = surface.motion->placement.at(query.time());
+    query.whereItRests(placement, surface.motion->atRest, [&](RTCRay ray, EmbreeContext& context) {
       occludeRay(surface.motion->mesh, context, ray);
       isBlocked = ray.tfar < 0;
     });
@@ -403,10 +501,11 @@ void recordMovingShadowVolume(const RTCOccludedFunctionNArguments* arguments) {
 }
 
 std::optional<SurfaceHit> Scene::closestHit(const Ray<World>& ray, SpanBuffer& spans, Counters& counters,
-                                            const HitKey* after) const {
+                                            const HitKey* after, std::uint32_t kinds) const {
   const PhaseScope phase(counters.phase, Phase::tracing);
   ++counters.closestHitQueries;
   Query query(*data_, ray, spans, counters, after);
+  query.lookAs(kinds);
   if (!query.isValid()) {
     ++counters.invalidRays;
     return {};
@@ -465,8 +564,12 @@ Box<World> Scene::bounds() const { return data_->bounds; }
 ObjectId Scene::objectCount() const { return static_cast<ObjectId>(data_->surfaces.size()); }
 VolumeId Scene::volumeCount() const { return static_cast<VolumeId>(data_->volumes.size()); }
 const TriangleMesh* Scene::mesh(ObjectId object) const {
-  const auto& mesh = data_->surfaces[object].mesh;
+  const MeshSurface* const mesh = data_->surfaces[object].restingMesh();
   return mesh ? &mesh->mesh : nullptr;
+}
+const Transform<World, Object>* Scene::sharedPlacement(ObjectId object) const {
+  const auto& instance = data_->surfaces[object].instance;
+  return instance ? &instance->toWorld : nullptr;
 }
 SurfaceHit Scene::hitAt(const Ray<World>& ray, const HitKey& key) const {
   return describe(data_->surfaces[key.object], ray, key);
@@ -475,6 +578,8 @@ SurfaceHit Scene::hitAt(const Ray<World>& ray, const HitKey& key) const {
 Box<World> Scene::surfaceBounds(ObjectId object) const {
   const Surface& surface = data_->surfaces[object];
   if (surface.analytic) return surface.analytic->worldBounds();
+  if (surface.instance) return surface.instance->worldBounds();
+  if (surface.curves) return surface.curves->worldBounds();
   Box<World> box;
   for (const auto& triangle : surface.mesh->mesh.triangles) {
     for (const std::uint32_t corner : triangle) box.extend(surface.mesh->mesh.positions[corner]);

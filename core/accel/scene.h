@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/accel/convex_volume.h"
+#include "core/accel/curves.h"
 #include "core/accel/hit.h"
 #include "core/accel/mesh.h"
 #include "core/accel/volume_partition.h"
@@ -51,6 +52,8 @@ OverlapDesign chooseOverlapDesign(std::span<const Box<World>> volumes);
 
 struct SceneData;
 
+using SharedMeshId = std::uint32_t;  ///< Meshes that several objects share, counted from 0.
+
 /// Immutable; every query is safe to call from any thread at once. Rays need a finite origin, a finite direction that
 /// is not zero, and 0 <= tMin (a negative one counts as 0); other rays hit nothing and are counted.
 class Scene {
@@ -68,8 +71,10 @@ class Scene {
   /// there on. No spans where volumes are partitioned: a SpanStream finds them. That is how to go on behind a
   /// pass-through surface: no hit is lost or found twice, coincident or not. A crossing at an edge that triangles
   /// share, or of doubled faces, is one hit.
+  ///
+  /// `kinds` says by bits what the ray is: surfaces that are visible to none of them are not there.
   std::optional<SurfaceHit> closestHit(const Ray<World>& ray, SpanBuffer& spans, Counters& counters,
-                                       const HitKey* after = nullptr) const;
+                                       const HitKey* after = nullptr, std::uint32_t kinds = ~0u) const;
 
   /// The same with one object alone, as if there was nothing else; no spans.
   std::optional<SurfaceHit> closestHitOn(ObjectId object, const Ray<World>& ray, Counters& counters) const;
@@ -89,8 +94,11 @@ class Scene {
   Box<World> bounds() const;
   ObjectId objectCount() const;
   VolumeId volumeCount() const;
-  /// The mesh of an object with its normals resolved, of one that moves in its own space; null for spheres and disks.
+  /// The mesh of an object with its normals resolved, of one that moves or is shared in its own space; null for
+  /// spheres, disks and fibres.
   const TriangleMesh* mesh(ObjectId object) const;
+  /// Where a shared mesh stands; null for all other objects.
+  const Transform<World, Object>* sharedPlacement(ObjectId object) const;
   Box<World> surfaceBounds(ObjectId object) const;
   const VolumeShape& volume(VolumeId volume) const;
   OverlapDesign overlapDesign() const;
@@ -118,6 +126,12 @@ class SceneBuilder {
 
   /// `passThrough` surfaces (null bsdf) do not stop shadow rays.
   Result<ObjectId> addMesh(TriangleMesh mesh, bool passThrough = false);
+  /// A mesh in a space of its own, for any number of objects: it and its acceleration structure are kept once.
+  Result<SharedMeshId> addShared(TriangleMesh mesh);
+  /// An object that looks like the shared mesh; `toWorld` may be any invertible affine map.
+  Result<ObjectId> addInstance(SharedMeshId mesh, const Transform<World, Object>& toWorld, bool passThrough = false);
+  /// Fibres.
+  Result<ObjectId> addCurves(CurveSet curves, bool passThrough = false);
   /// The unit sphere; `toWorld` may be any invertible affine map.
   Result<ObjectId> addSphere(const Transform<World, Object>& toWorld, bool passThrough = false,
                              bool flipNormals = false);
@@ -129,6 +143,8 @@ class SceneBuilder {
   Result<VolumeId> addVolume(std::unique_ptr<const VolumeShape> volume);
   /// Shadow rays do not stop at the surface, though other rays meet it: they list it among their interfaces.
   void letShadowsPass(ObjectId object);
+  /// The kinds of rays, as bits, that find the surface; without this all do. Shadow rays always do.
+  void setVisibility(ObjectId object, std::uint32_t kinds);
 
   /// What `chooseOverlapDesign` says of the volumes added so far.
   OverlapDesign preferredOverlapDesign() const;

@@ -58,6 +58,11 @@ void volumeBounds(const RTCBoundsFunctionArguments* arguments) {
   *arguments->bounds_o = paddedBounds(data.volumes[data.bounded[arguments->primID]]->worldBounds());
 }
 
+void instanceBounds(const RTCBoundsFunctionArguments* arguments) {
+  const auto& data = *static_cast<const SceneData*>(arguments->geometryUserPtr);
+  *arguments->bounds_o = paddedBounds(data.instances[arguments->primID]->worldBounds());
+}
+
 void movingSurfaceBounds(const RTCBoundsFunctionArguments* arguments) {
   const auto& data = *static_cast<const SceneData*>(arguments->geometryUserPtr);
   const auto& steps = data.surfaces[data.movingSurfaces[arguments->primID]].motion->steps;
@@ -92,6 +97,43 @@ void attachMesh(const SceneData& data, const MeshSurface& surface, RTCScene scen
   attach(scene, geometry);
 }
 
+static_assert(sizeof(CurvePoint) == 4 * sizeof(float));
+
+void attachCurves(const SceneData& data, const CurveSurface& surface, RTCScene scene) {
+  const CurveSet& curves = surface.curves;
+  const bool isLinear = curves.basis == CurveBasis::linear;
+  RTCGeometry geometry = rtcNewGeometry(
+      data.device, isLinear ? RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE : RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, curves.points.data(), 0,
+                             sizeof(CurvePoint), curves.points.size());
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, curves.segments.data(), 0,
+                             sizeof(curves.segments[0]), curves.segments.size());
+  if (isLinear) {
+    // Between two pieces of one fibre there is no ball.
+    auto* flags = static_cast<std::uint8_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FLAGS, 0, RTC_FORMAT_UCHAR, 1, curves.segments.size()));
+    for (std::size_t i = 0; flags && i < curves.segments.size(); ++i) {
+      const bool follows = i > 0 && curves.segments[i - 1] + 1 == curves.segments[i];
+      const bool goesOn = i + 1 < curves.segments.size() && curves.segments[i] + 1 == curves.segments[i + 1];
+      flags[i] = static_cast<std::uint8_t>((follows ? RTC_CURVE_FLAG_NEIGHBOR_LEFT : 0) |
+                                           (goesOn ? RTC_CURVE_FLAG_NEIGHBOR_RIGHT : 0));
+    }
+  }
+  rtcSetGeometryUserData(geometry, const_cast<CurveSurface*>(&surface));
+  rtcSetGeometryIntersectFilterFunction(geometry, acceptCurve);
+  rtcSetGeometryOccludedFilterFunction(geometry, acceptShadowCurve);
+  attach(scene, geometry);
+}
+
+/// A mesh alone, in the space where it rests.
+RTCScene meshScene(const SceneData& data, const MeshSurface& surface) {
+  RTCScene scene = rtcNewScene(data.device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  attachMesh(data, surface, scene);
+  rtcCommitScene(scene);
+  return scene;
+}
+
 void attachUser(const SceneData& data, std::size_t count, RTCBoundsFunction bounds, RTCIntersectFunctionN intersect,
                 RTCOccludedFunctionN occluded, std::size_t steps = 1) {
   if (count == 0) return;
@@ -123,6 +165,16 @@ void indexPrimitives(SceneData& data) {
     if (surface.analytic) {
       data.analytic.push_back(surface.analytic.get());
       extend(data.bounds, surface.analytic->worldBounds());
+      continue;
+    }
+    if (surface.curves) {
+      extend(data.bounds, surface.curves->worldBounds());
+      continue;
+    }
+    if (surface.instance) {
+      if (surface.instance->shared->bounds.isEmpty()) continue;
+      data.instances.push_back(surface.instance.get());
+      extend(data.bounds, surface.instance->worldBounds());
       continue;
     }
     for (const auto& triangle : surface.mesh->mesh.triangles) {
@@ -225,13 +277,63 @@ SceneBuilder::~SceneBuilder() = default;
 SceneBuilder::SceneBuilder(SceneBuilder&&) noexcept = default;
 SceneBuilder& SceneBuilder::operator=(SceneBuilder&&) noexcept = default;
 
-Result<ObjectId> SceneBuilder::addMesh(TriangleMesh mesh, bool passThrough) {
+namespace {
+
+/// What is wrong with a mesh, as an error; one without is made ready for Embree.
+Result<TriangleMesh> readyMesh(TriangleMesh mesh) {
   if (auto defect = findDefect(mesh)) return makeError(*defect);
   for (const auto& p : mesh.positions) {
     if (!isBounded({p, p})) return makeError("a position of the mesh is beyond 1e18");
   }
   resolveNormals(mesh);
   mesh.positions.reserve(mesh.positions.size() + 1);
+  return mesh;
+}
+
+}  // namespace
+
+Box<World> MeshInstance::worldBounds() const {
+  const Double3 lower = toDouble(shared->bounds.lower), upper = toDouble(shared->bounds.upper);
+  const Double3 half = (upper - lower) * 0.5, middle = mapPoint(toWorld.matrix(), (upper + lower) * 0.5);
+  const auto along = [&](std::size_t row) {
+    const auto& m = toWorld.matrix()[row];
+    return std::fabs(m[0]) * half.x + std::fabs(m[1]) * half.y + std::fabs(m[2]) * half.z;
+  };
+  const Double3 reach{along(0), along(1), along(2)};
+  return {{floatBelow(middle.x - reach.x), floatBelow(middle.y - reach.y), floatBelow(middle.z - reach.z)},
+          {floatAbove(middle.x + reach.x), floatAbove(middle.y + reach.y), floatAbove(middle.z + reach.z)}};
+}
+
+Result<SharedMeshId> SceneBuilder::addShared(TriangleMesh mesh) {
+  auto ready = readyMesh(std::move(mesh));
+  if (!ready) return ready.errors();
+  data_->shared.push_back(std::make_unique<SharedMesh>(std::move(*ready)));
+  return static_cast<SharedMeshId>(data_->shared.size() - 1);
+}
+
+Result<ObjectId> SceneBuilder::addInstance(SharedMeshId mesh, const Transform<World, Object>& toWorld,
+                                           bool passThrough) {
+  if (!isUsable(toWorld)) return makeError("the transform cannot be inverted or is not finite");
+  const auto object = static_cast<ObjectId>(data_->surfaces.size());
+  auto instance = std::make_unique<MeshInstance>(MeshInstance{data_->shared[mesh].get(), object, passThrough, toWorld});
+  if (!instance->shared->bounds.isEmpty() && !isBounded(instance->worldBounds()))
+    return makeError("the shape reaches beyond 1e18");
+  data_->surfaces.push_back({nullptr, nullptr, std::move(instance)});
+  return object;
+}
+
+Result<ObjectId> SceneBuilder::addCurves(CurveSet curves, bool passThrough) {
+  const auto object = static_cast<ObjectId>(data_->surfaces.size());
+  auto surface = std::make_unique<CurveSurface>(CurveSurface{object, passThrough, std::move(curves)});
+  if (!isBounded(surface->worldBounds())) return makeError("a fibre reaches beyond 1e18");
+  data_->surfaces.push_back({nullptr, nullptr, nullptr, std::move(surface)});
+  return object;
+}
+
+Result<ObjectId> SceneBuilder::addMesh(TriangleMesh unready, bool passThrough) {
+  auto ready = readyMesh(std::move(unready));
+  if (!ready) return ready.errors();
+  TriangleMesh& mesh = *ready;
   const auto object = static_cast<ObjectId>(data_->surfaces.size());
   auto surface = std::make_unique<MeshSurface>(MeshSurface{object, passThrough, std::move(mesh)});
   data_->surfaces.push_back({std::move(surface), nullptr});
@@ -303,6 +405,11 @@ void SceneBuilder::letShadowsPass(ObjectId object) {
   data_->shadowsPass[object] = true;
 }
 
+void SceneBuilder::setVisibility(ObjectId object, std::uint32_t kinds) {
+  data_->visibleTo.resize(std::max<std::size_t>(data_->visibleTo.size(), object + 1), ~0u);
+  data_->visibleTo[object] = kinds;
+}
+
 OverlapDesign SceneBuilder::preferredOverlapDesign() const {
   // The partition is of space at one time.
   if (std::ranges::any_of(data_->volumeMotions, [](const auto& motion) { return motion.has_value(); }))
@@ -318,6 +425,7 @@ Result<Scene> SceneBuilder::build(const SceneOptions& options) {
   std::unique_ptr<SceneData> data = std::move(data_);
   data_ = std::make_unique<SceneData>();
   data->isa = *isa;
+  if (!data->visibleTo.empty()) data->visibleTo.resize(data->surfaces.size(), ~0u);
   data->shutter = options.shutter;
   data->overlap = options.overlap;
   const std::size_t steps = sweep(*data, options.shutter);
@@ -337,14 +445,14 @@ Result<Scene> SceneBuilder::build(const SceneOptions& options) {
   data->scene = rtcNewScene(data->device);
   rtcSetSceneFlags(data->scene, RTC_SCENE_FLAG_ROBUST);
   for (const Surface& surface : data->surfaces) {
+    if (surface.curves) attachCurves(*data, *surface.curves, data->scene);
     if (surface.mesh && !surface.motion) attachMesh(*data, *surface.mesh, data->scene);
     if (surface.mesh && surface.motion) {
-      surface.motion->mesh = rtcNewScene(data->device);
-      rtcSetSceneFlags(surface.motion->mesh, RTC_SCENE_FLAG_ROBUST);
-      attachMesh(*data, *surface.mesh, surface.motion->mesh);
-      rtcCommitScene(surface.motion->mesh);
+      surface.motion->mesh = meshScene(*data, *surface.mesh);
     }
   }
+  for (const auto& shared : data->shared) shared->scene = meshScene(*data, shared->surface);
+  attachUser(*data, data->instances.size(), instanceBounds, intersectInstance, occludeInstance);
   attachUser(*data, data->analytic.size(), analyticBounds, intersectAnalytic, occludeAnalytic);
   if (data->overlap == OverlapDesign::split) {
     attachUser(*data, data->bounded.size(), volumeBounds, recordVolume, recordShadowVolume);

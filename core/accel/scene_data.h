@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/accel/curve_surface.h"
 #include "core/accel/embree.h"
 #include "core/accel/moving.h"
 #include "core/accel/scene.h"
@@ -28,11 +29,51 @@ struct SurfaceMotion {
   RTCScene mesh = nullptr;
 };
 
-/// One of the first two pointers is set; the last one where the surface moves.
+/// A mesh in its own space, and its acceleration structure there.
+struct SharedMesh {
+  explicit SharedMesh(TriangleMesh shared) : surface{0, false, std::move(shared)} {
+    for (const auto& triangle : surface.mesh.triangles) {
+      for (const std::uint32_t corner : triangle) bounds.extend(surface.mesh.positions[corner]);
+    }
+  }
+  ~SharedMesh() {
+    if (scene) rtcReleaseScene(scene);
+  }
+  SharedMesh(const SharedMesh&) = delete;
+  SharedMesh& operator=(const SharedMesh&) = delete;
+
+  MeshSurface surface;  ///< Of which object it is, the query knows.
+  Box<World> bounds;
+  RTCScene scene = nullptr;
+};
+
+/// A shared mesh at its place.
+struct MeshInstance {
+  const SharedMesh* shared = nullptr;
+  ObjectId object = 0;
+  bool passThrough = false;
+  Transform<World, Object> toWorld;
+
+  Box<World> worldBounds() const;
+};
+
+/// One of the first four pointers is set; the last one where the surface moves.
 struct Surface {
   std::unique_ptr<const MeshSurface> mesh;
   std::unique_ptr<const AnalyticSurface> analytic;
+  std::unique_ptr<const MeshInstance> instance = nullptr;
+  std::unique_ptr<const CurveSurface> curves = nullptr;
   std::unique_ptr<SurfaceMotion> motion = nullptr;
+
+  /// In the space where the surface rests; null where it has no mesh.
+  const MeshSurface* restingMesh() const { return instance ? &instance->shared->surface : mesh.get(); }
+  /// From the space where the surface rests; nothing where that is the world.
+  std::optional<Transform<World, Object>> placement(float time) const {
+    if (motion) return motion->placement.at(time);
+    if (instance) return instance->toWorld;
+    return {};
+  }
+  bool restsInWorld() const { return !motion && !instance; }
 };
 
 struct SceneData {
@@ -40,20 +81,24 @@ struct SceneData {
   ~SceneData() {
     if (scene) rtcReleaseScene(scene);
     surfaces.clear();
+    shared.clear();
     if (device) rtcReleaseDevice(device);
   }
   SceneData(const SceneData&) = delete;
   SceneData& operator=(const SceneData&) = delete;
 
   std::vector<Surface> surfaces;                              ///< By ObjectId.
+  std::vector<std::unique_ptr<SharedMesh>> shared;            ///< By SharedMeshId.
   std::vector<std::unique_ptr<const VolumeShape>> volumes;    ///< By VolumeId.
   std::vector<std::optional<MovingPlacement>> volumeMotions;  ///< By VolumeId.
+  std::vector<std::uint32_t> visibleTo;                       ///< By ObjectId, kinds of rays; empty: all are to all.
   std::vector<bool> shadowsPass;                              ///< By ObjectId; what is missing stops them.
 
   // Set by build:
   std::vector<const AnalyticSurface*> analytic;   ///< By primitive of Embree's geometry for them.
   std::vector<VolumeId> bounded;                  ///< By primitive of Embree's geometry for volumes.
   std::vector<VolumeId> unbounded;                ///< Volumes tested against every ray.
+  std::vector<const MeshInstance*> instances;     ///< By primitive of Embree's geometry for them.
   std::vector<ObjectId> movingSurfaces;           ///< By primitive of Embree's geometry for them.
   std::vector<const MovingVolume*> movingShapes;  ///< By primitive of Embree's geometry for moving volumes,
   std::vector<VolumeId> movingVolumes;            ///< and which they are.
@@ -67,13 +112,17 @@ struct SceneData {
 };
 
 /// Embree's callbacks; each reaches the running query through its context. The user pointer of a mesh's geometry is its
-/// MeshSurface, that of the other geometries the SceneData.
+/// MeshSurface, that of fibres their CurveSurface, that of the other geometries the SceneData.
 void acceptTriangle(const RTCFilterFunctionNArguments* arguments);
 void acceptShadowTriangle(const RTCFilterFunctionNArguments* arguments);
+void acceptCurve(const RTCFilterFunctionNArguments* arguments);
+void acceptShadowCurve(const RTCFilterFunctionNArguments* arguments);
 void intersectAnalytic(const RTCIntersectFunctionNArguments* arguments);
 void occludeAnalytic(const RTCOccludedFunctionNArguments* arguments);
 void recordVolume(const RTCIntersectFunctionNArguments* arguments);
 void recordShadowVolume(const RTCOccludedFunctionNArguments* arguments);
+void intersectInstance(const RTCIntersectFunctionNArguments* arguments);
+void occludeInstance(const RTCOccludedFunctionNArguments* arguments);
 void intersectMoving(const RTCIntersectFunctionNArguments* arguments);
 void occludeMoving(const RTCOccludedFunctionNArguments* arguments);
 void recordMovingVolume(const RTCIntersectFunctionNArguments* arguments);

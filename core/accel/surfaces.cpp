@@ -181,6 +181,11 @@ bool entersAt(const AnalyticSurface& surface, const DoubleRay& ray, double t) {
   return dot(mapVector(surface.toWorld.inverseMatrix(), ray.direction), normal) < 0;
 }
 
+Double3 pointOn(const TriangleMesh& mesh, const SurfaceHit& hit) {
+  const Corners c = cornersOf(mesh, hit.primitive);
+  return c.origin + c.edge1 * static_cast<double>(hit.b1) + c.edge2 * static_cast<double>(hit.b2);
+}
+
 SurfaceHit describeHit(const MeshSurface& surface, std::uint32_t triangle, const DoubleRay& ray, double t) {
   const Corners c = cornersOf(surface.mesh, triangle);
   const auto [b1, b2] = barycentrics(c, ray.origin + ray.direction * t - c.origin);

@@ -54,6 +54,9 @@ Crossings intersect(const AnalyticSurface& surface, const DoubleRay& ray);
 bool entersAt(const TriangleMesh& mesh, std::uint32_t triangle, const DoubleRay& ray);
 bool entersAt(const AnalyticSurface& surface, const DoubleRay& ray, double t);
 
+/// Where on its plane a mesh was hit, by the hit's weights.
+Double3 pointOn(const TriangleMesh& mesh, const SurfaceHit& hit);
+
 /// Everything about the hit at distance t.
 SurfaceHit describeHit(const MeshSurface& surface, std::uint32_t triangle, const DoubleRay& ray, double t);
 SurfaceHit describeHit(const AnalyticSurface& surface, const DoubleRay& ray, double t);

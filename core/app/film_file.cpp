@@ -60,7 +60,8 @@ std::string differenceOf(const Job& a, const Job& b) {
       a.film.croppedWidth() != b.film.croppedWidth() || a.film.croppedHeight() != b.film.croppedHeight()) {
     return "the scene's crops differ";
   }
-  if (a.film.pixelFormat != b.film.pixelFormat) return "one has alpha and the other has not";
+  if (hasAlpha(a.film.pixelFormat) != hasAlpha(b.film.pixelFormat)) return "one has alpha and the other has not";
+  if (a.film.pixelFormat != b.film.pixelFormat) return "they have different pixel formats";
   if (a.sampleCount != b.sampleCount) {
     return fmt::format("one is of an image with {} samples a pixel, the other {}", a.sampleCount, b.sampleCount);
   }

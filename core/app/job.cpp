@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <string_view>
 
 #include "core/app/command_line.h"
 #include "core/app/version_command.h"
@@ -13,6 +15,14 @@
 namespace aerosol::app {
 
 namespace {
+
+constexpr std::string_view pixelFormats[] = {"rgb", "rgba", "luminance", "luminance_alpha", "xyz", "xyza"};
+
+std::optional<scene::PixelFormat> formatNamed(const std::string* word) {
+  const auto found = std::find(std::begin(pixelFormats), std::end(pixelFormats), word ? *word : "");
+  if (found == std::end(pixelFormats)) return {};
+  return static_cast<scene::PixelFormat>(found - std::begin(pixelFormats));
+}
 
 /// A program's hash that does not depend on where its files are.
 std::string hashAnywhere(lang::Program program) {
@@ -31,8 +41,12 @@ std::string identityOf(const RenderArguments& arguments, const scene::SceneDescr
   StrongHash hash;
   std::vector<std::string> texts, meshes, programs;
   for (const auto& [name, text] : description.sources->all()) texts.push_back(StrongHash().add(text->text()).hex());
+  std::map<std::filesystem::path, std::string> hashes;
   for (const scene::Shape& shape : description.shapes) {
-    if (!shape.file.empty()) meshes.push_back(hashFile(shape.file).value_or(""));
+    if (shape.file.empty()) continue;
+    const auto [known, isNew] = hashes.try_emplace(shape.file);
+    if (isNew) known->second = hashFile(shape.file).value_or("");
+    meshes.push_back(known->second);
   }
   for (const shading::Family& family : scene.shading.families()) programs.push_back(hashAnywhere(*family.program));
   addSorted(hash, std::move(texts));
@@ -83,7 +97,8 @@ std::vector<image::Metadata> jobMetadata(const Job& job) {
       {"aerosol:window",
        fmt::format("{},{},{},{}", film.cropOffsetX, film.cropOffsetY, film.croppedWidth(), film.croppedHeight())},
       {"aerosol:component",
-       std::string(film.componentFormat == scene::ComponentFormat::float16 ? "float16" : "float32")}};
+       std::string(film.componentFormat == scene::ComponentFormat::float16 ? "float16" : "float32")},
+      {"aerosol:pixelFormat", std::string(pixelFormats[static_cast<std::size_t>(film.pixelFormat)])}};
   if (!job.aovs.empty()) metadata.push_back({"aerosol:aovs", job.aovs});
   return metadata;
 }
@@ -96,7 +111,8 @@ std::optional<Job> jobOf(const image::ImageBuffer& picture) {
   const auto* window = findValue<std::string>(picture, "aerosol:window");
   const auto* component = findValue<std::string>(picture, "aerosol:component");
   const auto crop = window ? parseCrop(*window) : std::nullopt;
-  if (!identity || !isa || !code || !samples || !component || !crop) return {};
+  const auto format = formatNamed(findValue<std::string>(picture, "aerosol:pixelFormat"));
+  if (!identity || !isa || !code || !samples || !component || !crop || !format) return {};
   const auto* aovs = findValue<std::string>(picture, "aerosol:aovs");
   Job job{*identity, *isa, *code, aovs ? *aovs : "", *samples, {}};
   job.film.width = picture.fullWidth;
@@ -106,8 +122,7 @@ std::optional<Job> jobOf(const image::ImageBuffer& picture) {
   job.film.cropWidth = crop->width;
   job.film.cropHeight = crop->height;
   if (*component == "float16") job.film.componentFormat = scene::ComponentFormat::float16;
-  const bool hasAlpha = std::find(picture.channels.begin(), picture.channels.end(), "A") != picture.channels.end();
-  job.film.pixelFormat = hasAlpha ? scene::PixelFormat::rgba : scene::PixelFormat::rgb;
+  job.film.pixelFormat = *format;
   return job;
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <set>
 
+#include "core/app/pixel_format.h"
 #include "core/image/pending_file.h"
 
 namespace aerosol::app {
@@ -84,7 +85,10 @@ Diagnostics writeOutputs(const std::vector<std::string>& names, const image::Ima
                          const scene::Film& film, const image::DisplayOptions& display) {
   Diagnostics errors;
   for (const std::string& name : names) {
-    const auto written = image::writeImage(name, picture, optionsFor(name, film, display));
+    const image::WriteOptions options = optionsFor(name, film, display);
+    const bool asItIs =
+        !isExr(name) || film.pixelFormat == scene::PixelFormat::rgb || film.pixelFormat == scene::PixelFormat::rgba;
+    const auto written = image::writeImage(name, asItIs ? picture : inFormat(picture, film.pixelFormat), options);
     if (!written) errors.append(written.errors());
   }
   return errors;

@@ -137,7 +137,7 @@ image::ImageBuffer makePicture(const render::Film& film, const scene::Film& desc
   picture.fullHeight = described.height;
   picture.channels = {"R", "G", "B"};
   picture.pixels = film.rgba();
-  if (described.pixelFormat == scene::PixelFormat::rgba) {
+  if (hasAlpha(described.pixelFormat)) {
     picture.channels.push_back("A");
     return picture;
   }

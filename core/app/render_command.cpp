@@ -220,7 +220,7 @@ class Render {
     if (arguments_.tev.empty()) return true;
     const scene::Film& film = session_.description().film;
     auto view = TevView::connect(arguments_.tev, std::filesystem::path(outputs_.front()).filename().string(),
-                                 film.width, film.height, film.pixelFormat == scene::PixelFormat::rgba);
+                                 film.width, film.height, hasAlpha(film.pixelFormat));
     if (!view) return accept(view.errors());
     tev_ = std::move(*view);
     return true;
@@ -343,7 +343,7 @@ class Render {
     picture.fullWidth = session_.description().film.width;
     picture.fullHeight = session_.description().film.height;
     picture.channels = {"R", "G", "B"};
-    if (session_.description().film.pixelFormat == scene::PixelFormat::rgba) picture.channels.push_back("A");
+    if (hasAlpha(session_.description().film.pixelFormat)) picture.channels.push_back("A");
     picture.pixels.assign(picture.channels.size(), 0);
     picture.metadata = jobMetadata(job_);
     picture.metadata.push_back({"aerosol:renderSeconds", secondsBefore_ + seconds});

@@ -37,6 +37,20 @@ Color ClosureMix::evaluateDiffuse(Vector<World> toLight) const {
   return sum;
 }
 
+ClosureMix::TermShare ClosureMix::evaluateTerm(std::size_t index, Vector<World> toLight) const {
+  const WeightedClosure& term = terms_[index];
+  TermShare share{.label = term.label, .all = {}, .diffuse = {}};
+  if (term.closure->kind() != ClosureKind::scattering) return share;
+  const Color weight = term.weight * term.shadow(toLight);
+  share.all = weight * term.closure->evaluate(term.parameters, point_, toLight);
+  share.diffuse = weight * term.closure->evaluateDiffuse(term.parameters, point_, toLight);
+  return share;
+}
+
+bool ClosureMix::hasLabels() const {
+  return std::any_of(terms_.begin(), terms_.end(), [](const WeightedClosure& term) { return term.label != 0; });
+}
+
 Color ClosureMix::albedo() const {
   Color sum;
   for (const WeightedClosure& term : terms_) {

@@ -16,6 +16,7 @@ struct WeightedClosure {
   std::span<const float> parameters;
   const Closure* shadowing = nullptr;  ///< Lies on top and dims it; null: nothing does.
   std::span<const float> shadowingParameters = {};
+  std::uint32_t label = 0;  ///< By which light path expressions know it; 0: none.
 
   float shadow(Vector<World> toLight) const {
     return shadowing ? shadowing->shadowing(shadowingParameters, toLight) : 1;
@@ -36,6 +37,16 @@ class ClosureMix {
   /// The part of it that is diffuse.
   Color evaluateDiffuse(Vector<World> toLight) const;
   float pdf(Vector<World> toLight) const;
+  /// What one term scatters, and the part of it that is diffuse.
+  struct TermShare {
+    std::uint32_t label = 0;
+    Color all, diffuse;
+  };
+  std::size_t termCount() const { return terms_.size(); }
+  TermShare evaluateTerm(std::size_t term, Vector<World> toLight) const;
+  std::uint32_t labelOf(const ClosureSample& sample) const { return terms_[sample.term].label; }
+  /// Whether some term has a label.
+  bool hasLabels() const;
   /// The part of light that the terms scatter, those that let it pass straight left out.
   Color albedo() const;
   std::optional<ClosureSample> sample(const ClosureUniforms& u) const;

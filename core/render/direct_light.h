@@ -104,8 +104,8 @@ class SurfaceVertex final : public ScatteringVertex {
   /// All outlive the vertex. `near` is the side that the ray came from, `far` the one behind.
   /// `lightsPassed`: lights behind the surface have been sampled straight through it, from the vertex before.
   SurfaceVertex(const accel::SurfaceHit& hit, const ClosureMix& closures, const Side& near, const Side& far,
-                bool lightsPassed = false)
-      : hit_(hit), closures_(closures), near_(near), far_(far), lightsPassed_(lightsPassed) {}
+                bool lightsPassed = false, const LinkedLights* links = nullptr)
+      : hit_(hit), closures_(closures), near_(near), far_(far), lightsPassed_(lightsPassed), links_(links) {}
 
   Point<World> position() const override { return hit_.point; }
   Point<World> originTowards(Vector<World> direction) const override { return hit_.originTowards(direction); }
@@ -115,6 +115,7 @@ class SurfaceVertex final : public ScatteringVertex {
     return lightsPassed_ && isBehind(direction) ? Color() : closures_.evaluate(direction);
   }
   float pdf(Vector<World> direction) const override { return closures_.pdf(direction); }
+  const LinkedLights* links() const override { return links_; }
 
  private:
   const Side& sideOf(Vector<World> direction) const { return isBehind(direction) ? far_ : near_; }
@@ -124,6 +125,7 @@ class SurfaceVertex final : public ScatteringVertex {
   const ClosureMix& closures_;
   Side near_, far_;
   bool lightsPassed_;
+  const LinkedLights* links_;
 };
 
 /// One sample of one light: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the

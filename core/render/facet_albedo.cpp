@@ -216,19 +216,6 @@ const Tables& tablesOf(Shape shape) {
   return beckmann;
 }
 
-/// The roughness alike in all directions that loses as much as these two.
-float equalLoss(Shape shape, float alphaX, float alphaY, Vector<Local> viewer) {
-  if (alphaX == alphaY) return alphaX;
-  const float albedo = mirrorAlbedo(shape, alphaX, alphaY, viewer);
-  const auto& even = tablesOf<MirrorTable>(shape).values;
-  float low = std::min(alphaX, alphaY), high = std::max(alphaX, alphaY);
-  for (int i = 0; i < 10; ++i) {
-    const float middle = 0.5f * (low + high);
-    (even({placeOfCosine(viewer.z), placeOfAlpha(middle)}) > albedo ? low : high) = middle;
-  }
-  return 0.5f * (low + high);
-}
-
 }  // namespace
 
 float mirrorAlbedo(Shape shape, float alphaX, float alphaY, Vector<Local> viewer) {
@@ -238,10 +225,15 @@ float mirrorAlbedo(Shape shape, float alphaX, float alphaY, Vector<Local> viewer
   return tablesOf<StretchedMirrorTable>(shape).values({cosine, placeOfAlpha(alphaX), placeOfAlpha(alphaY), turn});
 }
 
+/// Boundaries that are not alike in all directions would take a table of five dimensions: they are summed each time.
 BoundaryAlbedo boundaryAlbedo(Shape shape, float alphaX, float alphaY, float eta, Vector<Local> viewer) {
-  const float alpha = equalLoss(shape, alphaX, alphaY, viewer);
+  if (alphaX != alphaY) {
+    constexpr int places = 96;
+    const Pair pair = integrateBoundary(places, facetsOf(shape, alphaX, alphaY), eta, viewer);
+    return {pair.reflected, pair.transmitted};
+  }
   const Pair pair =
-      tablesOf<BoundaryTable>(shape).values({placeOfCosine(viewer.z), placeOfAlpha(alpha), placeOfEta(eta)});
+      tablesOf<BoundaryTable>(shape).values({placeOfCosine(viewer.z), placeOfAlpha(alphaX), placeOfEta(eta)});
   return {pair.reflected, pair.transmitted};
 }
 

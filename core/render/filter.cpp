@@ -90,13 +90,22 @@ void Filter::build(const std::vector<std::array<double, 2>>& points) {
   }
   assert(integral_ > 0);
   for (Knot& knot : knots_) knot.cumulative /= absolute;
+  guide_.clear();
+  std::uint32_t above = 1;
+  for (std::size_t k = 0; k < knots_.size(); ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(knots_.size());
+    while (above + 1 < knots_.size() && !(share < knots_[above].cumulative)) ++above;
+    guide_.push_back(above);
+  }
   weight_ = absolute == integral_ ? 1 : absolute / integral_;
 }
 
 Filter::Offset Filter::sampleAxis(double u) const {
-  const auto above = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
-                                      [](double value, const Knot& knot) { return value < knot.cumulative; });
-  const Knot &a = *(above - 1), &b = *above;
+  const auto share = static_cast<std::size_t>(u * static_cast<double>(guide_.size()));
+  std::size_t above = guide_[std::min(share, guide_.size() - 1)];
+  while (above > 1 && u < knots_[above - 1].cumulative) --above;
+  while (above + 1 < knots_.size() && !(u < knots_[above].cumulative)) ++above;
+  const Knot &a = knots_[above - 1], &b = knots_[above];
   const double mass = b.cumulative - a.cumulative;
   const double v = mass > 0 ? std::clamp((u - a.cumulative) / mass, 0.0, 1.0) : 0.5;
   const double fa = std::fabs(a.f), fb = std::fabs(b.f);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -46,8 +47,9 @@ class Filter {
   Offset sampleAxis(double u) const;
 
   std::vector<Knot> knots_;
-  double integral_ = 1;  ///< ∫f.
-  double weight_ = 1;    ///< ∫|f| / ∫f.
+  std::vector<std::uint32_t> guide_;  ///< By equal shares of ∫|f|: the knot behind the beginning of the share.
+  double integral_ = 1;               ///< ∫f.
+  double weight_ = 1;                 ///< ∫|f| / ∫f.
 };
 
 }  // namespace aerosol::render

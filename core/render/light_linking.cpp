@@ -76,7 +76,9 @@ std::unique_ptr<LinkedLights> LightLinking::seenBy(const std::vector<bool>& name
 Diagnostics LightLinking::read(const CopyMedium& copy) {
   Diagnostics errors;
   const auto links = [](const scene::Volume& volume) { return !volume.controls.lights.empty(); };
-  if (std::ranges::none_of(description_.volumes, links)) return errors;
+  const auto linked = [](const scene::Shape& shape) { return !shape.lights.empty(); };
+  if (std::ranges::none_of(description_.volumes, links) && std::ranges::none_of(description_.shapes, linked))
+    return errors;
   findCandidates();
   std::vector<std::string> ids, shining;
   for (const Candidate& candidate : candidates_) {
@@ -85,7 +87,7 @@ Diagnostics LightLinking::read(const CopyMedium& copy) {
   }
   for (std::size_t i = 0; i < description_.volumes.size(); ++i) {
     if (!links(description_.volumes[i])) continue;
-    auto named = namedLights(description_.volumes[i], ids, shining);
+    auto named = namedLights(description_.volumes[i].controls.lights, description_.volumes[i].origin, ids, shining);
     if (!named) {
       errors.append(named.errors());
       continue;
@@ -93,6 +95,15 @@ Diagnostics LightLinking::read(const CopyMedium& copy) {
     const std::uint32_t set = setOf(std::move(*named));
     for (const volume::Medium* medium : scene_.mediaOf(i)) {
       scene_.media[medium->index].lightLinks = set;
+    }
+  }
+  for (std::size_t i = 0; i < description_.shapes.size(); ++i) {
+    if (!linked(description_.shapes[i])) continue;
+    auto named = namedLights(description_.shapes[i].lights, description_.shapes[i].origin, ids, shining);
+    if (named) {
+      scene_.objects[i].lightLinks = setOf(std::move(*named));
+    } else {
+      errors.append(named.errors());
     }
   }
   if (errors.hasErrors()) return errors;

@@ -1,4 +1,4 @@
-// Which lights light which volumes, as a scene is prepared.
+// Which lights light which volumes and surfaces, as a scene is prepared.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,8 @@
 
 namespace aerosol::render {
 
-/// Reads the `lights` of volumes, before media are decided; then, when all lights are there, makes their sets.
+/// Reads the `lights` of volumes and shapes, before media are decided; then, when all lights are there, makes their
+/// sets.
 class LightLinking {
  public:
   /// Adds a medium that is another one of the scene but for what its look changes.

@@ -6,10 +6,9 @@
 
 namespace aerosol::render {
 
-Result<std::vector<bool>> namedLights(const scene::Volume& volume, std::span<const std::string> ids,
-                                      std::span<const std::string> shining) {
+Result<std::vector<bool>> namedLights(const std::string& list, const scene::Origin& origin,
+                                      std::span<const std::string> ids, std::span<const std::string> shining) {
   std::vector<bool> named(ids.size(), false);
-  const std::string& list = volume.controls.lights;
   if (list == "none") return named;
   for (std::size_t begin = 0; begin <= list.size();) {
     const std::size_t end = std::min(list.find(',', begin), list.size());
@@ -27,7 +26,7 @@ Result<std::vector<bool>> namedLights(const scene::Volume& volume, std::span<con
         if (!id.empty()) known += (known.empty() ? "" : ", ") + id;
       }
       return Diagnostic{Severity::error,
-                        volume.origin.of("lights"),
+                        origin.of("lights"),
                         fmt::format("there is no light with the id '{}'", name),
                         {},
                         {known.empty() ? "no light has an id" : "the lights are: " + known}};

@@ -12,8 +12,8 @@
 
 namespace aerosol::render {
 
-/// The lights of volumes that name them. The choice among lights, its densities and what rays find by themselves are
-/// all of the same set, so everything stays exact.
+/// The lights of volumes and shapes that name them. The choice among lights, its densities and what rays find by
+/// themselves are all of the same set, so everything stays exact.
 struct LinkedLights {
   LightSet lights;  ///< With the indices, and the parts, of all lights.
   /// By accel::VolumeId: the media of volumes for rays that left such a volume. What does not light it does not glow.
@@ -32,9 +32,9 @@ struct LinkedLights {
   const volume::Medium* original(std::uint32_t index) const { return firstMedium + index; }
 };
 
-/// By candidate, whether the volume's `lights` name it. Candidates without an id have an empty one. An error at the
-/// parameter lists the ids there are.
-Result<std::vector<bool>> namedLights(const scene::Volume& volume, std::span<const std::string> ids,
-                                      std::span<const std::string> shining);
+/// By candidate, whether the `lights` of a volume or shape name it. Candidates without an id have an empty one. An
+/// error at the parameter lists those ids that are `shining`.
+Result<std::vector<bool>> namedLights(const std::string& list, const scene::Origin& origin,
+                                      std::span<const std::string> ids, std::span<const std::string> shining);
 
 }  // namespace aerosol::render

@@ -52,7 +52,7 @@ bool needsProbes(const PreparedScene& scene, Point<World> eye, float reach) {
   };
   for (std::uint32_t i = 0; i < scene.geometry->objectCount(); ++i) {
     const accel::TriangleMesh* const mesh = scene.geometry->mesh(i);
-    if (!mesh) {
+    if (!mesh || scene.geometry->sharedPlacement(i)) {
       if (isNear(scene.geometry->surfaceBounds(i))) return true;
       continue;
     }

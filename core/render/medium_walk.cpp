@@ -198,7 +198,7 @@ Task<> askStraightSurfaces(PathContext& path, Ray<World> ray) {
     const PreparedObject& object = scene.objects[key.object];
     path.statistics().work.add(Work::straightCrossing);
     PathContext::StraightCrossing crossing{Color(1.0f), {}};
-    if (!object.isBoundary) {
+    if (!object.isBoundary && object.castsShadows) {
       const shading::ShadingPoint point = shadingPointOf(path, scene.geometry->hitAt(ray, key), ray);
       const SurfaceAnswer& answer = co_await path.shade(object.material, point);
       crossing.through = Color();
@@ -220,6 +220,10 @@ Color crossInterface(PathContext& path, std::size_t index, const Medium*& medium
   const accel::Interface& interface = path.interfaces[index];
   const PreparedObject& object = scene.objects[interface.key.object];
   const bool isBoundary = object.isBoundary;
+  if (!object.castsShadows) {
+    path.wentStraight = path.wentStraight || object.stopsScattered;
+    return Color(1.0f);
+  }
   if (!scene.nestsMedia) {
     medium = object.behind(interface.entering, medium);
     path.wentStraight = path.wentStraight || !isBoundary;

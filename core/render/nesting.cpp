@@ -51,7 +51,8 @@ volume::Task<bool> findCompany(PathContext& path, Ray<World> ray, Nesting& nesti
   const double reach = first.t + coincidence(first, ray.direction);
   ray.tMax = std::nextafter(static_cast<float>(reach), std::numeric_limits<float>::infinity());
   for (;;) {
-    const auto hit = scene.geometry->closestHit(ray, path.spans, path.statistics().accel, &nesting.last);
+    const auto hit =
+        scene.geometry->closestHit(ray, path.spans, path.statistics().accel, &nesting.last, path.rayTypes());
     if (!hit || hit->t > reach) co_return path.faces.size() > 1;
     std::optional<Interior> interior;
     if (scene.objects[hit->object].isBoundary) {

@@ -42,6 +42,9 @@ struct PreparedObject {
   bool saysInside = false;               ///< A closure of its material describes the interior.
   bool passesShadows = false;            ///< Its material has an answer of its own for shadow rays.
   bool facesViewer = false;              ///< Shaders are told normals towards the viewer.
+  bool castsShadows = true;              ///< Otherwise shadow rays pass.
+  bool stopsScattered = true;            ///< Rays that surfaces and media scatter meet it.
+  std::uint32_t lightLinks = 0;          ///< As of media: which lights light it; 0: all.
   bool clipsVolumes = false;             ///< The interior rules out volume primitives too.
   std::optional<std::uint32_t> light;    ///< Index of its area light.
   std::vector<const Closure*> closures;  ///< By closure site of the material's program.
@@ -50,6 +53,8 @@ struct PreparedObject {
     std::string name;
   };
   std::vector<Output> outputs;                          ///< Closures that give their weight to an AOV.
+  std::vector<Output> labelNames;                       ///< Closures that light path expressions may know by a name.
+  std::vector<std::uint32_t> labels;                    ///< By site, as AovPlan numbers them; empty where none matters.
   std::vector<std::vector<lang::ClosureLayer>> layers;  ///< What lies on them, by site; empty where nothing is layered.
 
   /// Whether the shape says what is on its sides. One that does not stands in whatever medium there is.
@@ -124,7 +129,9 @@ struct PreparedScene {
   EffectSwitch keepsFootprints;
   float largestFootprint = 0;                    ///< No change of a position is longer.
   const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.
-  EffectSwitch shadowsPass;                      ///< Some material lets light through unbent, and says how much.
+  /// Some surface is met by shadow rays and not by all others: what these find has to be seen by shadow rays too.
+  bool hidesSurfaces = false;
+  EffectSwitch shadowsPass;    ///< Some material lets light through unbent, and says how much.
   EffectSwitch nestsMedia;     ///< Some material says what is inside: paths keep a stack of interiors.
   EffectSwitch hasSubsurface;  ///< Some material lets light into its body.
   volume::PriorityOrder priorityOrder = volume::PriorityOrder::higherWins;
@@ -175,6 +182,9 @@ struct PreparedScene {
   /// Null where all lights count.
   const LinkedLights* linksOf(const volume::Medium& medium) const {
     return !hasOptionalEffects || medium.lightLinks == 0 ? nullptr : linkedLights[medium.lightLinks - 1].get();
+  }
+  const LinkedLights* linksOf(const PreparedObject& object) const {
+    return !hasOptionalEffects || object.lightLinks == 0 ? nullptr : linkedLights[object.lightLinks - 1].get();
   }
   const LightSet& lightsOf(const LinkedLights* links) const {
     return hasOptionalEffects && links ? links->lights : lights;

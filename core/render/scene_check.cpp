@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/render/preparation/shapes.h"
 #include "core/render/preparation/state.h"
 
 namespace aerosol::render {
@@ -21,6 +22,10 @@ void checkShader(Preparation& state, const scene::ShaderUse& use, const char* ki
 
 /// A file that is missing was reported where its name was read.
 void checkMesh(Preparation& state, const scene::Shape& shape) {
+  if (shape.isCurves() && isThere(shape.file)) {
+    const auto curves = accel::loadCurves(shape.file.string(), curveBasis(shape), {});
+    if (!curves) state.appendAt(shape.origin.location, curves.errors());
+  }
   if (!shape.isFromFile() || !isThere(shape.file)) return;
   const auto mesh = state.meshFiles.load(shape, {}, state.warnings);
   if (!mesh) state.appendAt(shape.origin.location, mesh.errors());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "core/base/cie_xyz.h"
 #include "core/render/group_binding.h"
 #include "core/render/parameter_range.h"
 
@@ -220,6 +221,9 @@ std::optional<lang::GivenValue> givenValue(const lang::Program& program, const s
   const lang::Type& type = program.parameters[*index].type;
   const std::optional<ValueType> wanted = sceneType(type);
   std::optional<scene::Value> value = wanted ? parameter.convertTo(*wanted) : std::nullopt;
+  // A colour where a number is asked for is its luminance, as the values of textures are.
+  if (const Color* color = std::get_if<Color>(&parameter.value); !value && color && wanted == ValueType::number)
+    value = scene::Value(toXyz(*color)[1]);
   if (!value) {
     bool isKnown = true;
     value = namedNumber(program.parameters[*index], parameter, isKnown, errors);

@@ -103,6 +103,7 @@ SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnsw
     if (isBlack(weight)) continue;
     WeightedClosure& term = terms_[count++];
     term = {object.closures[i], weight, answer_.sites[i].parameters};
+    if (!object.labels.empty()) term.label = object.labels[i];
     if (object.layers.empty()) continue;
     for (const lang::ClosureLayer& layer : object.layers[i]) {
       if (!isSound[layer.top] || object.closures[layer.top]->kind() != ClosureKind::shadowing) continue;

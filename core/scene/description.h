@@ -178,7 +178,11 @@ struct ReconstructionFilter {
   Origin origin;
 };
 
-enum class PixelFormat : std::uint8_t { rgb, rgba };
+enum class PixelFormat : std::uint8_t { rgb, rgba, luminance, luminanceAlpha, xyz, xyza };
+/// Whether there is a channel of coverage.
+constexpr bool hasAlpha(PixelFormat format) {
+  return format == PixelFormat::rgba || format == PixelFormat::luminanceAlpha || format == PixelFormat::xyza;
+}
 enum class ComponentFormat : std::uint8_t { float16, float32 };
 
 /// Pixels. The crop lies within the film.
@@ -311,6 +315,16 @@ struct NamedValue {
   Value value;
 };
 
+/// Rays by what they are for, as bits.
+struct RayKind {
+  static constexpr std::uint32_t camera = 1;
+  static constexpr std::uint32_t shadow = 2;       ///< From what is lit to lights.
+  static constexpr std::uint32_t diffuse = 4;      ///< Scattered by surfaces that are no mirrors, and by media.
+  static constexpr std::uint32_t reflection = 16;  ///< Mirrored.
+  static constexpr std::uint32_t refraction = 32;  ///< Bent.
+  static constexpr std::uint32_t all = ~0u;
+};
+
 enum class ShapeType : std::uint8_t {
   obj,
   ply,
@@ -320,6 +334,8 @@ enum class ShapeType : std::uint8_t {
   rectangle,
   disk,
   cylinder,
+  linearcurve,
+  bsplinecurve,
   shapegroup,  ///< These two stand in scene files alone: an instance becomes the shapes of its group.
   instance
 };
@@ -330,7 +346,7 @@ enum class ShapeType : std::uint8_t {
 struct Shape {
   ShapeType type = ShapeType::sphere;
   Placement<World, Object> toWorld;
-  std::filesystem::path file;  ///< Of obj, ply and serialized: an existing file.
+  std::filesystem::path file;  ///< Of obj, ply, serialized and curves: an existing file.
   int shapeIndex = 0;          ///< Of serialized: which of the meshes in the file.
   Point<Object> center;
   Point<Object> end{0, 0, 1};  ///< Of a cylinder.
@@ -345,14 +361,18 @@ struct Shape {
   std::optional<Index> displacement;  ///< Then it is a mesh, whatever its type.
   std::optional<Index> interior;      ///< Surface-defined, exclusive medium on the side away from the normal.
   std::optional<Index> exterior;
-  int priority = 0;                    ///< Of what is inside, where the material does not say; 0: off.
-  bool clipVolumes = false;            ///< Where the inside rules there are no volume primitives.
-  std::optional<Emitter> emitter;      ///< An area light.
-  std::string lightGroup;              ///< Of all that shines from it, but for a light with its own; empty: none.
-  std::vector<NamedValue> attributes;  ///< For shaders that ask: "user:…".
+  int priority = 0;                        ///< Of what is inside, where the material does not say; 0: off.
+  bool clipVolumes = false;                ///< Where the inside rules there are no volume primitives.
+  std::optional<Emitter> emitter;          ///< An area light.
+  std::string lightGroup;                  ///< Of all that shines from it, but for a light with its own; empty: none.
+  std::string lights;                      ///< Ids of what lights it, with commas; empty: all; "none".
+  std::uint32_t visibleTo = RayKind::all;  ///< Bits of RayKind.
+  std::vector<NamedValue> attributes;      ///< For shaders that ask: "user:…".
   Origin origin;
 
+  /// A mesh in a file.
   bool isFromFile() const { return type <= ShapeType::serialized; }
+  bool isCurves() const { return type == ShapeType::linearcurve || type == ShapeType::bsplinecurve; }
 };
 
 /// How a volume's medium moves while the shutter is open: what is at x at the reference time is at x + (t - reference)

@@ -38,7 +38,7 @@ struct Words<FovAxis> {
 };
 template <>
 struct Words<PixelFormat> {
-  static constexpr std::array words = {"rgb", "rgba"};
+  static constexpr std::array words = {"rgb", "rgba", "luminance", "luminance_alpha", "xyz", "xyza"};
 };
 template <>
 struct Words<ComponentFormat> {

@@ -298,6 +298,7 @@ class SceneBuilder {
         ids_.children(element, {"bsdf", "displacement", "emitter", "medium"}, reporter_);
     const Child emitter = IdTable::single(children, "emitter", reporter_);
     if (emitter.object) readAreaLight(emitter, shape);
+    if (shape.isCurves()) checkCurves(shape, children);
     const Child bsdf = IdTable::single(children, "bsdf", reporter_);
     shape.material = bsdf.object ? shaders_.material(*bsdf.object)
                                  : shaders_.defaultMaterial(element.location, emitter.object != nullptr);
@@ -307,6 +308,16 @@ class SceneBuilder {
       if (child.object->tag == "medium") readShapeMedium(child, shape);
     }
     return shape;
+  }
+
+  /// What fibres cannot be.
+  void checkCurves(Shape& shape, const std::vector<Child>& children) {
+    for (const Child& child : children) {
+      if (child.object->tag != "bsdf") {
+        reporter_.error(child.use->location, fmt::format("fibres have no {}", child.object->tag));
+        shape.emitter.reset();
+      }
+    }
   }
 
   void findShapeFile(Shape& shape) {

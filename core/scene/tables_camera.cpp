@@ -111,7 +111,10 @@ TypeTable<Sampler> imitated(const std::string& type) {
     table.fields.push_back({{.name = name, .type = valueType, .doc = "has no effect", .withoutEffect = true},
                             [](Sampler&, const Value&) { return std::string(); }});
   };
-  if (type != "ldsampler") ignored("jitter", ValueType::boolean);
+  if (type == "halton" || type == "hammersley")
+    ignored("scramble", ValueType::integer);
+  else if (type != "ldsampler")
+    ignored("jitter", ValueType::boolean);
   if (type == "orthogonal") ignored("strength", ValueType::integer);
   return table;
 }
@@ -135,41 +138,66 @@ const std::vector<TypeTable<Sensor>>& sensorTypes() {
   return tables;
 }
 
+namespace {
+
+std::vector<Field<Film>> filmFields(std::string standardFormat, std::vector<std::string> fileFormats,
+                                    const char* fileFormatDoc) {
+  return {field<&Film::width>({.name = "width", .unit = "pixels", .doc = "width of the picture", .range = side(1)}),
+          field<&Film::height>({.name = "height", .unit = "pixels", .doc = "height of the picture", .range = side(1)}),
+          field<&Film::cropOffsetX>(
+              {.name = "crop_offset_x", .unit = "pixels", .doc = "left edge of what is rendered", .range = side(0)}),
+          field<&Film::cropOffsetY>(
+              {.name = "crop_offset_y", .unit = "pixels", .doc = "upper edge of what is rendered", .range = side(0)}),
+          field<&Film::cropWidth>({.name = "crop_width",
+                                   .unit = "pixels",
+                                   .doc = "width of what is rendered",
+                                   .defaultText = "to the right edge",
+                                   .range = side(1)}),
+          field<&Film::cropHeight>({.name = "crop_height",
+                                    .unit = "pixels",
+                                    .doc = "height of what is rendered",
+                                    .defaultText = "to the lower edge",
+                                    .range = side(1)}),
+          field<&Film::pixelFormat>({.name = "pixel_format",
+                                     .doc = "channels of an OpenEXR file; those that end with a add coverage. Other "
+                                            "files are of red, green and blue, or grey"}),
+          field<&Film::componentFormat>({.name = "component_format", .doc = "precision of an OpenEXR file"}),
+          {{.name = "file_format",
+            .type = ValueType::string,
+            .doc = fileFormatDoc,
+            .defaultValue = std::move(standardFormat),
+            .choices = std::move(fileFormats)},
+           [](Film&, const Value&) { return std::string(); }},
+          fieldWithoutEffect<Film>("sample_border", ValueType::boolean),
+          fieldWithoutEffect<Film>("compensate", ValueType::boolean),
+          fieldWithoutEffect<Film>("banner", ValueType::boolean),
+          fieldWithoutEffect<Film>("high_quality_edges", ValueType::boolean),
+          fieldWithoutEffect<Film>("attach_log", ValueType::boolean)};
+}
+
+/// How Mitsuba 0.6 makes a picture for a display out of one: here the display and its view do.
+std::vector<Field<Film>> displayedFilmFields() {
+  std::vector<Field<Film>> fields =
+      filmFields("png", {"png", "jpeg"}, "the file's name on the command line decides: .png and .jpg are for displays");
+  for (const char* name : {"gamma", "exposure", "key", "burn"})
+    fields.push_back(fieldWithoutEffect<Film>(name, ValueType::number));
+  fields.push_back(fieldWithoutEffect<Film>("tonemap_method", ValueType::string));
+  return fields;
+}
+
+}  // namespace
+
 const std::vector<TypeTable<Film>>& filmTypes() {
-  static const std::vector<TypeTable<Film>> tables =
-      {{.type = "hdrfilm",
-        .doc = "the picture",
-        .fields =
-            {field<&Film::width>({.name = "width", .unit = "pixels", .doc = "width of the picture", .range = side(1)}),
-             field<&Film::height>(
-                 {.name = "height", .unit = "pixels", .doc = "height of the picture", .range = side(1)}),
-             field<&Film::cropOffsetX>(
-                 {.name = "crop_offset_x", .unit = "pixels", .doc = "left edge of what is rendered", .range = side(0)}),
-             field<&Film::cropOffsetY>({.name = "crop_offset_y",
-                                        .unit = "pixels",
-                                        .doc = "upper edge of what is rendered",
-                                        .range = side(0)}),
-             field<&Film::cropWidth>({.name = "crop_width",
-                                      .unit = "pixels",
-                                      .doc = "width of what is rendered",
-                                      .defaultText = "to the right edge",
-                                      .range = side(1)}),
-             field<&Film::cropHeight>({.name = "crop_height",
-                                       .unit = "pixels",
-                                       .doc = "height of what is rendered",
-                                       .defaultText = "to the lower edge",
-                                       .range = side(1)}),
-             field<&Film::pixelFormat>({.name = "pixel_format", .doc = "rgba adds coverage"}),
-             field<&Film::componentFormat>({.name = "component_format", .doc = "precision of an OpenEXR file"}),
-             {{.name = "file_format",
-               .type = ValueType::string,
-               .doc = "the file's name on the command line decides; OpenEXR is what this film is made for",
-               .defaultValue = std::string("openexr"),
-               .choices = {"openexr"}},
-              [](Film&, const Value&) { return std::string(); }},
-             fieldWithoutEffect<Film>("sample_border", ValueType::boolean),
-             fieldWithoutEffect<Film>("compensate", ValueType::boolean)},
-        .nested = "rfilter"}};
+  static const std::vector<TypeTable<Film>> tables = {
+      {.type = "hdrfilm",
+       .doc = "the picture",
+       .fields = filmFields("openexr", {"openexr"},
+                            "the file's name on the command line decides; OpenEXR is what this film is made for"),
+       .nested = "rfilter"},
+      {.type = "ldrfilm",
+       .doc = "the picture, in scenes of Mitsuba 0.6; --display, --view and --exposure say how it is shown",
+       .fields = displayedFilmFields(),
+       .nested = "rfilter"}};
   return tables;
 }
 
@@ -216,7 +244,9 @@ const std::vector<TypeTable<Sampler>>& samplerTypes() {
       imitated("ldsampler"),
       imitated("stratified"),
       imitated("multijitter"),
-      imitated("orthogonal")};
+      imitated("orthogonal"),
+      imitated("halton"),
+      imitated("hammersley")};
   return tables;
 }
 

@@ -1,6 +1,10 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "core/scene/syntax.h"
 #include "core/scene/tables.h"
 #include "core/scene/tables_emitters.h"
 
@@ -24,6 +28,28 @@ Field<T> lightGroupField(const char* doc) {
           }};
 }
 
+std::string setVisibility(Shape& shape, const Value& value) {
+  constexpr std::pair<std::string_view, std::uint32_t> words[] = {{"camera", RayKind::camera},
+                                                                  {"shadow", RayKind::shadow},
+                                                                  {"diffuse", RayKind::diffuse},
+                                                                  {"reflection", RayKind::reflection},
+                                                                  {"refraction", RayKind::refraction}};
+  const auto& text = std::get<std::string>(value);
+  shape.visibleTo = text == "all" ? RayKind::all : 0;
+  if (text == "all" || text == "none") return {};
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string_view word = trim(std::string_view(text).substr(begin, end - begin));
+    const auto known = std::find_if(std::begin(words), std::end(words), [&](const auto& w) { return w.first == word; });
+    if (known == std::end(words)) {
+      return fmt::format("'{}' is no kind of ray: there are camera, shadow, diffuse, reflection and refraction", word);
+    }
+    shape.visibleTo |= known->second;
+    begin = end + 1;
+  }
+  return {};
+}
+
 std::vector<Field<Shape>> shapeFields(bool fromFile) {
   std::vector<Field<Shape>> fields = {
       field<&Shape::toWorld>({.name = "to_world", .doc = "the shape's own space to world", .defaultText = "identity"}),
@@ -38,6 +64,17 @@ std::vector<Field<Shape>> shapeFields(bool fromFile) {
       field<&Shape::clipVolumes>(
           {.name = "clip_volumes", .doc = "where this shape's inside rules there are no volume primitives"})};
   fields.push_back(lightGroupField<Shape>("of all that shines from it, as of an emitter"));
+  fields.push_back(fieldWithoutEffect<Shape>("silhouette_sampling_weight", ValueType::number));
+  fields.push_back(field<&Shape::lights>({.name = "lights",
+                                          .doc = "ids of what lights it (emitters, shapes that emit, volumes that "
+                                                 "glow), with commas between; \"none\"",
+                                          .defaultText = "all"}));
+  fields.push_back({{.name = "visible_to",
+                     .type = ValueType::string,
+                     .doc = "kinds of rays for which it is there, with commas between: camera, shadow, diffuse "
+                            "(scattered by surfaces and media), reflection, refraction; \"none\"",
+                     .defaultText = "all"},
+                    setVisibility});
   if (!fromFile) return fields;
   fields.push_back(
       field<&Shape::faceNormals>({.name = "face_normals", .doc = "flat triangles: normals of the file are not used"}));
@@ -75,6 +112,26 @@ std::vector<Field<Shape>> serializedFields() {
                           "or set 'face_normals'");
                     }});
   return fields;
+}
+
+TypeTable<Shape> curveTable(const char* type, const char* doc) {
+  std::vector<Field<Shape>> fields = shapeFields(false);
+  std::erase_if(fields, [](const Field<Shape>& f) { return f.spec.name == "flip_normals"; });
+  for (Field<Shape>& f : fields) {
+    if (f.spec.name != "to_world") continue;
+    f.spec.doc = "the space of the file to world; radii stay as they are";
+    f.animate = {};
+  }
+  fields.push_back({{.name = "filename",
+                     .type = ValueType::string,
+                     .doc = "text of x y z radius by line, and an empty line between fibres; u runs around a fibre, v "
+                            "along it, and rays meet it from outside alone",
+                     .required = true},
+                    [](Shape& shape, const Value& value) -> std::string {
+                      shape.file = std::get<std::string>(value);
+                      return shape.file.empty() ? "'filename' is empty" : "";
+                    }});
+  return {.type = type, .doc = doc, .fields = std::move(fields), .nested = "bsdf"};
 }
 
 TypeTable<Shape> shapeTable(const char* type, const char* doc, std::vector<Field<Shape>> fields) {
@@ -278,6 +335,8 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                                                  .range = Range::atLeast(0)}),
              fieldWithoutEffect<Integrator>("samples_per_pass", ValueType::integer),
              fieldWithoutEffect<Integrator>("block_size", ValueType::integer),
+             fieldWithoutEffect<Integrator>("timeout", ValueType::number),
+             fieldWithoutEffect<Integrator>("strict_normals", ValueType::boolean),
              fieldWithoutEffect<Integrator>("use_spectral_mis", ValueType::boolean)}},
        {.type = "direct",
         .doc = "what lights reach at once: path tracing with a max_depth of 2",
@@ -308,6 +367,8 @@ const std::vector<TypeTable<Shape>>& shapeTypes() {
       shapeTable("rectangle", "a square from -1 to 1 in x and y, facing +z", shapeFields(false)),
       shapeTable("disk", "a disk of radius 1 in x and y, facing +z", shapeFields(false)),
       shapeTable("cylinder", "a cylinder between two points, without caps", cylinderFields()),
+      curveTable("linearcurve", "fibres of straight pieces, with round ends"),
+      curveTable("bsplinecurve", "fibres along cubic B-splines, without caps"),
       {.type = "shapegroup",
        .doc = "shapes and volumes that are seen where an instance refers to them",
        .nested = "shape, volume; no groups"},
@@ -360,8 +421,10 @@ const std::vector<TypeTable<Emitter>>& emitterTypes() {
               .doc = "the shader is asked in so many directions around and half as many from pole to pole",
               .range = {.minimum = 4, .maximum = 8192}})},
          .nested = "bsdf"}};
-    for (TypeTable<Emitter>& table : all)
+    for (TypeTable<Emitter>& table : all) {
       table.fields.push_back(lightGroupField<Emitter>("its light is a layer of its own with --aov light_groups"));
+      table.fields.push_back(fieldWithoutEffect<Emitter>("sampling_weight", ValueType::number));
+    }
     return all;
   }();
   return tables;

@@ -1,8 +1,13 @@
 #include "core/scene/upgrade.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <string_view>
+
+#include "core/scene/syntax.h"
 
 namespace aerosol::scene {
 
@@ -63,10 +68,50 @@ void gatherPlaceOnTexture(XmlElement& element) {
   element.children.push_back(std::move(transform));
 }
 
+/// Filters of textures that trace footprints, and the gamma by which an image is not a picture.
+void upgradeBitmap(XmlElement& element) {
+  std::erase_if(element.children, [](XmlElement& child) {
+    return hasValue(child, "name", "gamma") && (hasValue(child, "value", "-1") || hasValue(child, "value", "2.2"));
+  });
+  for (XmlElement& child : element.children) {
+    XmlAttribute* const value = find(child, "value");
+    if (!value) continue;
+    if (hasValue(child, "name", "filter_type") && (value->value == "trilinear" || value->value == "ewa")) {
+      value->value = "bilinear";
+      value->exact = false;
+    }
+    if (hasValue(child, "name", "gamma") && (value->value == "1" || value->value == "1.0")) {
+      child.tag = "boolean";
+      find(child, "name")->value = "raw";
+      value->value = "true";
+      value->exact = find(child, "name")->exact = false;
+    }
+  }
+}
+
+float linearOf(float encoded) {
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+/// `<srgb value="r, g, b"/>` holds encoded numbers, where `<rgb>` has linear ones; after a # both have the same.
+void upgradeSrgb(XmlElement& element) {
+  element.tag = "rgb";
+  XmlAttribute* const value = find(element, "value");
+  TextError error;
+  if (!value || value->value.find('#') != std::string::npos) return;
+  const auto numbers = parseNumbers(value->value, error);
+  if (!numbers) return;
+  value->value.clear();
+  for (const double number : *numbers)
+    value->value += fmt::format("{}{}", value->value.empty() ? "" : ", ", linearOf(static_cast<float>(number)));
+  value->exact = false;
+}
+
 }  // namespace
 
 void upgradeNames(XmlElement& element) {
   if (element.tag == "lookAt") element.tag = "lookat";
+  if (element.tag == "srgb") upgradeSrgb(element);
   XmlAttribute* name = find(element, "name");
   if (name && element.tag != "default") {
     std::string upgraded = withUnderscores(name->value);
@@ -83,6 +128,7 @@ void upgradeNames(XmlElement& element) {
     }
   }
   gatherPlaceOnTexture(element);
+  if (element.tag == "texture" && hasValue(element, "type", "bitmap")) upgradeBitmap(element);
 }
 
 }  // namespace aerosol::scene

@@ -10,7 +10,8 @@ namespace {
 using volume::Task;
 
 Task<Radiance> measureDepth(PathContext& path, Ray<World> ray) {
-  const auto hit = path.scene().geometry->closestHit(ray, path.spans, path.statistics().accel);
+  const auto hit =
+      path.scene().geometry->closestHit(ray, path.spans, path.statistics().accel, nullptr, shading::ray::camera);
   co_return hit ? Radiance{Color(static_cast<float>(hit->t)), 1} : Radiance{};
 }
 

@@ -209,6 +209,15 @@ Task<Step> leaveBody(PathContext& path, PathState& state, Radiance& radiance, co
   co_return Step::scatters;
 }
 
+/// Whether something that only shadow rays meet stands before a light: it takes away what lights sampled there would
+/// have given, and as much from what the path finds by itself.
+bool isShaded(PathContext& path, const PathState& state, double end) {
+  if (!path.scene().hidesSurfaces || state.direction.isDelta) return false;
+  Ray<World> ray = state.ray;
+  ray.tMax = static_cast<float>(end * (1 - 1e-5));
+  return path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel);
+}
+
 /// Emission and scattering at an opaque surface, unless a medium of higher priority hides it. `passed` becomes what was
 /// gone through when the ray passes.
 Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, accel::SurfaceHit hit,
@@ -235,7 +244,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     seeSurface(path, closures.mix(), hit, seenDistance(state, hit.point), state.throughput);
   radiance.alpha = std::max(radiance.alpha, 1 - std::clamp(average(closures.mix().holdout()), 0.0f, 1.0f));
   const bool isHidden = scene.path.hideEmitters && state.length == 1;
-  if (object.light && !isHidden) {
+  if (object.light && !isHidden && !isShaded(path, state, hit.t)) {
     Color emitted = metLight(scene, *object.light, hit, state.ray, state.direction);
     if (scene.isTextured(*object.light)) {
       const shading::ShadingPoint met = shadingPointOf(path, hit, state.ray);
@@ -262,7 +271,8 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   }
   const bool lightsPassed = state.lightsReach && object.passesShadows;
   const SurfaceVertex vertex(hit, closures.mix(), {state.boundaryMedium, path.media},
-                             {behind, nesting.isInterface ? path.mediaBehind : path.media}, lightsPassed);
+                             {behind, nesting.isInterface ? path.mediaBehind : path.media}, lightsPassed,
+                             scene.linksOf(object));
   const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
   radiance.color += state.throughput * light;
   if (path.record && !isBlack(light)) {
@@ -288,8 +298,12 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   // Light from behind such a surface came straight to where lights were sampled last; bent light is not to be added.
   const bool isReplaced = lightsPassed && crosses;
   state.lightsReach = !next->isDelta || isReplaced;
-  state.direction = {
-      .from = hit.point, .pdf = next->pdf, .isDelta = next->isDelta || isReplaced, .isReplaced = isReplaced};
+  const LinkedLights* const links = next->isPassing ? state.direction.links : vertex.links();
+  state.direction = {.from = hit.point,
+                     .pdf = next->pdf,
+                     .isDelta = next->isDelta || isReplaced,
+                     .links = links,
+                     .isReplaced = isReplaced};
   if (path.keepsFootprints()) {
     path.setFootprint(
         footprintBehind(path.footprint(), *scene.geometry, hit, *next, state.ray.time, scene.largestFootprint));
@@ -330,7 +344,8 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     std::optional<accel::SurfaceHit> hit = std::exchange(state.touching, {});
     const bool isTouching = hit.has_value();
     if (!isTouching) {
-      hit = scene.geometry->closestHit(state.ray, path.spans, path.statistics().accel, passed ? &*passed : nullptr);
+      hit = scene.geometry->closestHit(state.ray, path.spans, path.statistics().accel, passed ? &*passed : nullptr,
+                                       state.rayTypes);
     }
     const double begin = isTouching ? 0 : passed ? passed->t : static_cast<double>(state.ray.tMin);
     const double end = hit ? hit->t : static_cast<double>(state.ray.tMax);
@@ -372,8 +387,9 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       passed.reset();
       goesOn = co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state);
     } else if (!hit) {
-      const bool isHidden = scene.path.hideEmitters && state.length == 1;
-      if (!isHidden) {
+      // What lets the camera see straight through shows no environment either.
+      const bool isHidden = scene.path.hideEmitters && state.rayTypes == shading::ray::camera;
+      if (!isHidden && !isShaded(path, state, std::numeric_limits<double>::infinity())) {
         radiance.color += state.throughput * escapedLight(scene, state.ray.direction, state.direction, path.record);
       }
       if (!isHidden && !scene.lights.infinite().empty()) radiance.alpha = 1;

@@ -65,16 +65,14 @@ class EnvironmentMap final : public Light {
     };
     const Vector<World> direction = normalize(Vector<World>(row(0), row(1), row(2)));
     // By the rounded direction, as for one that is met.
-    const float density = pdfEscaped({}, direction);
+    const Place place = placeOf(direction);
+    const float density = densityAt(place);
     if (!(density > 0)) return {};
-    return LightSample{.direction = direction, .value = escaped(direction), .pdf = density, .point = {}, .normal = {}};
+    const Color value = image_(place.u, place.v) * scale_;
+    return LightSample{.direction = direction, .value = value, .pdf = density, .point = {}, .normal = {}};
   }
 
-  float pdfEscaped(Point<World>, Vector<World> direction) const override {
-    const Place place = placeOf(direction);
-    if (!(place.sine > 0)) return 0;
-    return static_cast<float>(choice_.density(place.u, place.v) / (2 * pi * pi * place.sine));
-  }
+  float pdfEscaped(Point<World>, Vector<World> direction) const override { return densityAt(placeOf(direction)); }
   Color escaped(Vector<World> direction) const override {
     const Place place = placeOf(direction);
     return image_(place.u, place.v) * scale_;
@@ -93,16 +91,23 @@ class EnvironmentMap final : public Light {
     double u = 0, v = 0, sine = 0;
   };
 
-  /// The matrix is a rotation: its transpose is its inverse.
+  float densityAt(const Place& place) const {
+    if (!(place.sine > 0)) return 0;
+    return static_cast<float>(choice_.density(place.u, place.v) / (2 * pi * pi * place.sine));
+  }
+
+  /// The matrix is a rotation: its transpose is its inverse. The angles are floats, as directions are.
   Place placeOf(Vector<World> direction) const {
     const double x = static_cast<double>(direction.x), y = static_cast<double>(direction.y),
                  z = static_cast<double>(direction.z);
     const auto column = [&](std::size_t i) { return toWorld_[0][i] * x + toWorld_[1][i] * y + toWorld_[2][i] * z; };
     const double lx = column(0), ly = column(1), lz = column(2);
-    double u = std::atan2(lx, -lz) / (2 * pi);
+    const double sine = std::sqrt(lx * lx + lz * lz);
+    const float around = std::atan2(static_cast<float>(lx), static_cast<float>(-lz));
+    const float down = std::atan2(static_cast<float>(sine), static_cast<float>(ly));
+    double u = static_cast<double>(around) / (2 * pi);
     u -= std::floor(u);
-    return {std::min(u, 0x1.fffffffffffffp-1), std::acos(std::clamp(ly, -1.0, 1.0)) / pi,
-            std::sqrt(std::max(0.0, lx * lx + lz * lz))};
+    return {std::min(u, 0x1.fffffffffffffp-1), std::min(static_cast<double>(down) / pi, 1.0), sine};
   }
 
   /// Cells between neighbouring texels. Sampling is for light on top of the mean; an even sky is drawn evenly.

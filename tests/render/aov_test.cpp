@@ -117,6 +117,35 @@ TEST(Aovs, AddUpToThePicture) {
   expectNear(sum("reflection", "transmission"), sum("diffuse", "specular"));
 }
 
+/// Two closures of one kind, the one twice the other, and one of another kind, each with a label.
+TEST(Aovs, LabelsOfClosuresSplitWhatASurfaceScatters) {
+  const std::string content = R"(<emitter type="constant"><rgb name="radiance" value="0.2, 0.3, 0.5"/></emitter>
+      <emitter type="point"><point name="position" x="1" y="2" z="-2"/><rgb name="intensity" value="6, 5, 4"/>
+        <string name="light_group" value="key"/></emitter>
+      <shape type="sphere"><bsdf type="osl"><source><![CDATA[
+        surface labelled() {
+          Ci = 0.15 * diffuse(N, "label", "thin") + 0.3 * diffuse(N, "label", "thick") +
+               color(0.3, 0.2, 0.1) * microfacet("ggx", N, 0.3, 1.5, 0, "label", "gloss") + 0.1 * transparent() +
+               0.05 * diffuse(N);
+        }]]></source></bsdf></shape>)";
+  const TestScene scene = aovScene(
+      "thin:C<R.'thin'>.*[LOB],thick:C<R.'thick'>.*[LOB],gloss:C<RG'gloss'>.*[LOB],"
+      "rest:C(<[RT].[^'thin''thick''gloss']>.*)?[LOB],keyed:C<RD'thick'>.*<L.'key'>,both:C<R.['thin''thick']>.*[LOB]",
+      R"(<integer name="max_depth" value="5"/>)", {.fov = 50}, content);
+  ASSERT_TRUE(scene.scene());
+  const auto film = scene.render(64);
+  expectSum(*film, {"thin", "thick", "gloss", "rest"});
+  expectSum(*film, {"both", "gloss", "rest"});
+  const std::vector<float> thin = layer(*film, "thin"), thick = layer(*film, "thick"), keyed = layer(*film, "keyed");
+  double sum = 0;
+  for (std::size_t i = 0; i < thin.size(); ++i) {
+    ASSERT_NEAR(thick[i], 2 * thin[i], 4e-6f * (1 + thick[i]));
+    ASSERT_LE(keyed[i], thick[i] * (1 + 1e-5f));
+    sum += static_cast<double>(keyed[i]);
+  }
+  EXPECT_GT(sum, 0);
+}
+
 /// What is scattered once at most is what a render shows that stops there: the same samples, sample by sample.
 TEST(Aovs, DirectLightIsThatOfShorterPaths) {
   const std::string content = everything;

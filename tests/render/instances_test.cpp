@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <cmath>
+#include <fstream>
+
 #include "tests/render/film_checks.h"
 
 // Groups of shapes and volumes: each instance is what the same objects are when they are written where they stand.
@@ -102,6 +105,59 @@ TEST(Instances, ThatMoveAreBlurredLikeTheirShapes) {
   const auto flat = film(fmt::format(fmt::runtime(cube), animation(from + turn, to + turn)));
   ASSERT_TRUE(inner && flat);
   EXPECT_TRUE(identical(*inner, *flat));
+}
+
+/// A wavy sheet of `side` times `side` squares.
+std::string writeSheet(const std::string& name, int side) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / name;
+  std::ofstream file(path, std::ios::binary);
+  for (int i = 0; i <= side; ++i) {
+    for (int j = 0; j <= side; ++j) {
+      const double x = 2.0 * i / side - 1, y = 2.0 * j / side - 1;
+      file << fmt::format("v {} {} {}\nvt {} {}\n", x, y, 0.2 * std::sin(7 * x) * std::cos(5 * y), x, y);
+    }
+  }
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      const int a = i * (side + 1) + j + 1, b = a + side + 1;
+      file << fmt::format("f {0}/{0} {1}/{1} {2}/{2} {3}/{3}\n", a, b, b + 1, a + 1);
+    }
+  }
+  return path.string();
+}
+
+TEST(Instances, LargeMeshesAreSharedAndLookTheSame) {
+  // As many copies as make up for the price of a structure of their own; files of other names share nothing.
+  constexpr int count = 4, side = 110;
+  static_assert(2 * side * side * (count - 1) > 1 << 16);
+  std::string shared = sky, own = sky;
+  for (int i = 0; i < count; ++i) {
+    const std::string place = placed(fmt::format(R"(<scale x="{}" y="0.5" z="0.5"/><rotate x="1" y="0.2" angle="{}"/>
+        <translate x="{}" y="{}"/>)",
+                                                 i % 2 ? -0.5 : 0.4, 30 + 70 * i, i % 2 - 0.5, i / 2 - 0.5));
+    const std::string shape = R"(<shape type="obj"><string name="filename" value="{}"/>{}<bsdf type="twosided">
+        <bsdf type="diffuse"><texture name="reflectance" type="checkerboard"/></bsdf></bsdf></shape>)";
+    shared += fmt::format(fmt::runtime(shape), writeSheet("shared_sheet.obj", side), place);
+    own += fmt::format(fmt::runtime(shape), writeSheet(fmt::format("own_sheet_{}.obj", i), side), place);
+  }
+  const TestSensor sensor{.fov = 30};
+  const TestScene a = loadScene("", sensor, shared), b = loadScene("", sensor, own);
+  ASSERT_TRUE(a.scene());
+  ASSERT_TRUE(b.scene());
+  EXPECT_EQ(a.scene()->geometry->mesh(0), a.scene()->geometry->mesh(count - 1));
+  EXPECT_TRUE(a.scene()->geometry->sharedPlacement(1));
+  EXPECT_NE(b.scene()->geometry->mesh(0), b.scene()->geometry->mesh(count - 1));
+  const auto films = std::pair(a.render(32), b.render(32));
+  double sum = 0, difference = 0;
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 16; ++x) {
+      const Color one = films.first->estimate(x, y).color, other = films.second->estimate(x, y).color;
+      sum += static_cast<double>(one.r);
+      difference += std::fabs(static_cast<double>(one.r - other.r));
+    }
+  }
+  EXPECT_GT(sum, 10);
+  EXPECT_LT(difference, 0.003 * sum);
 }
 
 }  // namespace

@@ -66,6 +66,23 @@ TEST(Materials, MasksAndBlendsWeighWhatTheyHold) {
   expectNear(blended, Color(0.8f, 0.4f, 0.2f) * 0.75f, 0.004f);
 }
 
+TEST(Materials, AMaskShowsNoHiddenEnvironment) {
+  const auto mean = [](const std::string& more) {
+    const TestScene scene = loadScene(more, {.fov = 40}, std::string(sky) + wall(R"(<bsdf type="mask">
+        <float name="opacity" value="0.25"/><bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf></bsdf>)"));
+    EXPECT_TRUE(scene.scene());
+    return scene.scene() ? scene.render(64)->estimate(8, 8).color.r : -1;
+  };
+  EXPECT_NEAR(mean(""), 0.75f, 0.2f);
+  EXPECT_EQ(mean(R"(<boolean name="hide_emitters" value="true"/>)"), 0);
+}
+
+TEST(Materials, AColourWhereANumberIsAskedForIsItsLuminance) {
+  const std::string black = R"(<bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf>)";
+  expectNear(furnaceMean(R"(<bsdf type="mask"><rgb name="opacity" value="1, 0, 0"/>)" + black + "</bsdf>"),
+             Color(1 - 0.2126f), 0.012f);
+}
+
 TEST(Materials, ClearOnesKeepAllLight) {
   for (const char* bsdf :
        {R"(<bsdf type="dielectric"/>)", R"(<bsdf type="thindielectric"/>)",

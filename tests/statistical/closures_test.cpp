@@ -87,10 +87,11 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
   const DirectionGrid grid(geometricNormal.vector(), 2, 20, 16);
   // Lobes around the poles of the grid, where its cells are wide, need small steps.
   const int steps = closure.fields().size() > 1 ? 40 : 10;
+  constexpr double tolerance = 1e-6;
   std::vector<double> expected =
-      grid.integrateSmoothCells([&](Vector<World> d) { return closure.pdf(p, point, d); }, steps);
+      grid.integrateSmoothCells([&](Vector<World> d) { return closure.pdf(p, point, d); }, steps, tolerance);
   const std::vector<double> values =
-      grid.integrateSmoothCells([&](Vector<World> d) { return closure.evaluate(p, point, d).g; }, steps);
+      grid.integrateSmoothCells([&](Vector<World> d) { return closure.evaluate(p, point, d).g; }, steps, tolerance);
   double total = 0, energy = 0;
   for (double& e : expected) {
     total += e;
@@ -334,6 +335,31 @@ TEST(Closures, DielectricsKeepTheEnergy) {
         const double loss = roughness == 0 ? 1e-4 : grazing < 0.3 ? 0.2 : roughness > 0.1f ? 0.1 : 0.03;
         EXPECT_LE(energy.mean(), 1.003) << roughness << ' ' << ior << ' ' << view;
         EXPECT_GE(energy.mean(), 1 - loss) << roughness << ' ' << ior << ' ' << view;
+      }
+    }
+  }
+}
+
+/// Boundaries of every width, shape and index, from both sides, with Fresnel's reflectance and with Schlick's.
+TEST(Closures, BoundariesKeepTheLightInAWhiteFurnace) {
+  const Registry registry = allPlugins();
+  const Vector<World> n = tilted(0, 0), across = Frame<World>(n).x;
+  for (const float x : {0.1f, 0.4f, 0.7f, 1.0f}) {
+    for (const float ratio : {1.0f, 0.3f}) {
+      for (const float ior : {1.2f, 1.5f, 2.2f}) {
+        for (const double view : {0.1, 0.8, 1.3, 1.9, 2.4, 3.0}) {
+          const ClosurePoint point{tilted(view, 4), geometricNormal};
+          const float f0 = (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1));
+          const Parameters glass{n.x, n.y, n.z, across.x, across.y,  across.z, 1, 1, 1,
+                                 1,   1,   1,   x,        x * ratio, ior,      0, 0, 1};
+          const Parameters schlick{n.x, n.y,       n.z, across.x, across.y, across.z, 1, 1, 1, 1, 1, 1,
+                                   x,   x * ratio, f0,  f0,       f0,       1,        1, 1, 5, 0, 0, 1};
+          for (const auto& [name, p] : {std::pair("dielectric_bsdf", glass), {"generalized_schlick_bsdf", schlick}}) {
+            const double kept = energyOf(*registry.closure(name), p, point);
+            EXPECT_GE(kept, 0.99) << name << ' ' << x << ' ' << ratio << ' ' << ior << ' ' << view;
+            EXPECT_LE(kept, 1.002) << name << ' ' << x << ' ' << ratio << ' ' << ior << ' ' << view;
+          }
+        }
       }
     }
   }

@@ -125,9 +125,16 @@ float extentOf(const render::PreparedScene& scene, std::size_t medium) {
 Diagnostics examineGeometry(const scene::SceneDescription& description, const render::PreparedScene& scene) {
   Diagnostics found;
   std::vector<const accel::TriangleMesh*> meshes(scene.objects.size());
+  std::vector<std::unique_ptr<accel::TriangleMesh>> placed;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (!bounds(scene.objects[i])) continue;
-    meshes[i] = scene.geometry->mesh(static_cast<accel::ObjectId>(i));
+    const auto object = static_cast<accel::ObjectId>(i);
+    meshes[i] = scene.geometry->mesh(object);
+    if (const Transform<World, Object>* const place = scene.geometry->sharedPlacement(object)) {
+      placed.push_back(std::make_unique<accel::TriangleMesh>(*meshes[i]));
+      accel::transformMesh(*placed.back(), *place);
+      meshes[i] = placed.back().get();
+    }
     const scene::ShapeType type = description.shapes[i].type;
     const bool isClosedKind =
         type != scene::ShapeType::rectangle && type != scene::ShapeType::disk && type != scene::ShapeType::cylinder;

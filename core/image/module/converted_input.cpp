@@ -12,6 +12,7 @@ namespace {
 
 constexpr const char* fileEntry = "aerosol:file";
 constexpr const char* transformEntry = "aerosol:transform";
+constexpr const char* straightEntry = "oiio:UnassociatedAlpha";
 
 /// The first three channels, or those that there are in front of an alpha, are colour.
 class Converter {
@@ -50,9 +51,12 @@ class ConvertedInput final : public OIIO::ImageInput {
   bool open(const std::string&, OIIO::ImageSpec&) override { return false; }
   bool open(const std::string&, OIIO::ImageSpec& spec, const OIIO::ImageSpec& config) override {
     std::uint64_t address = 0;
-    if (!config.getattribute(transformEntry, OIIO::TypeUInt64, &address) || address == 0) return false;
+    const bool isStraight = config.get_int_attribute(straightEntry) != 0;
+    if (!config.getattribute(transformEntry, OIIO::TypeUInt64, &address) || (address == 0 && !isStraight)) return false;
     std::memcpy(&transform_, &address, sizeof(transform_));
-    inner_ = OIIO::ImageInput::open(std::string(config.get_string_attribute(fileEntry)));
+    OIIO::ImageSpec hints;
+    if (isStraight) hints.attribute(straightEntry, 1);
+    inner_ = OIIO::ImageInput::open(std::string(config.get_string_attribute(fileEntry)), &hints);
     if (!inner_) {
       errorfmt("{}", OIIO::geterror());
       return false;
@@ -77,14 +81,16 @@ class ConvertedInput final : public OIIO::ImageInput {
     const lock_guard lock(*this);
     if (!seek_subimage(subimage, level)) return false;
     if (!inner_->read_scanline(y, z, OIIO::TypeFloat, data)) return fail();
-    Converter(*transform_, m_spec).apply(static_cast<float*>(data), static_cast<std::size_t>(m_spec.width));
+    if (transform_)
+      Converter(*transform_, m_spec).apply(static_cast<float*>(data), static_cast<std::size_t>(m_spec.width));
     return true;
   }
   bool read_native_tile(int subimage, int level, int x, int y, int z, void* data) override {
     const lock_guard lock(*this);
     if (!seek_subimage(subimage, level)) return false;
     if (!inner_->read_tile(x, y, z, OIIO::TypeFloat, data)) return fail();
-    Converter(*transform_, m_spec).apply(static_cast<float*>(data), static_cast<std::size_t>(m_spec.tile_pixels()));
+    if (transform_)
+      Converter(*transform_, m_spec).apply(static_cast<float*>(data), static_cast<std::size_t>(m_spec.tile_pixels()));
     return true;
   }
 
@@ -108,11 +114,11 @@ OIIO::ImageInput* makeInput() { return new ConvertedInput; }
 }  // namespace
 
 void addConverted(OIIO::ImageCache& cache, OIIO::ustring name, const std::string& file,
-                  const ColorTransform& transform) {
+                  const ColorTransform* transform) {
   OIIO::ImageSpec config;
-  const ColorTransform* const pointer = &transform;
   std::uint64_t address = 0;
-  std::memcpy(&address, &pointer, sizeof(pointer));
+  std::memcpy(&address, &transform, sizeof(transform));
+  if (!transform) config.attribute(straightEntry, 1);
   config.attribute(fileEntry, file);
   config.attribute(transformEntry, OIIO::TypeUInt64, &address);
   cache.add_file(name, makeInput, &config);

@@ -9,8 +9,9 @@
 
 namespace aerosol::image {
 
-/// Makes the file known to the cache under another name, all its texels floats. The transform must outlive the cache.
+/// Makes the file known to the cache under another name, all its texels floats. The transform must outlive the cache;
+/// null: the file's own colours, not multiplied by its alpha.
 void addConverted(OIIO::ImageCache& cache, OIIO::ustring name, const std::string& file,
-                  const ColorTransform& transform);
+                  const ColorTransform* transform);
 
 }  // namespace aerosol::image

@@ -117,10 +117,12 @@ TextureFile& TextureFiles::open(std::string_view name, std::string_view colorSpa
 
 void TextureFiles::convert(TextureFile& file, const TextureFile& plain, std::string_view name,
                            std::string_view colorSpace) {
-  if (!colors_ && colorProblem_.empty()) colors_ = makeColors(colorSettings_, colorProblem_);
+  const bool isStraight = colorSpace == straightAlpha;
+  if (!isStraight && !colors_ && colorProblem_.empty()) colors_ = makeColors(colorSettings_, colorProblem_);
   std::string problem = colorProblem_;
-  const ColorTransform* const transform = colors_ ? colors_->between(colorSpace, "rgb", problem) : nullptr;
-  if (!transform) {
+  const ColorTransform* const transform =
+      colors_ && !isStraight ? colors_->between(colorSpace, "rgb", problem) : nullptr;
+  if (!transform && !isStraight) {
     file.problem = "cannot convert the texture \"" + std::string(name) + "\": " + problem;
     return;
   }
@@ -131,7 +133,7 @@ void TextureFiles::convert(TextureFile& file, const TextureFile& plain, std::str
   }
   const ustring converted(std::string(name) + "?colorspace=" + std::string(colorSpace));
   addConverted(*cache_, converted, system_->resolve_filename(system_->filename_from_handle(plain.handle).string()),
-               *transform);
+               transform);
   file.handle = system_->get_texture_handle(converted);
   if (file.handle && system_->good(file.handle)) return;
   file.handle = nullptr;

@@ -16,6 +16,9 @@
 
 namespace aerosol::image {
 
+/// In the place of a colour space: colours as the file has them, not multiplied by its alpha.
+inline constexpr std::string_view straightAlpha = "straight alpha";
+
 /// A file, or a pattern that stands for the tiles of a UDIM set.
 struct TextureFile {
   OIIO::TextureSystem::TextureHandle* handle = nullptr;  ///< Null when the name is no readable file.

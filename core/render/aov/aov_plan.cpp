@@ -20,7 +20,12 @@ class PlanBuilder {
     for (const auto* sources : {&scene.lights, &scene.objects}) {
       for (const AovScene::Source& source : *sources) addLabel(source.group);
     }
+    groupCount_ = labels_.size();
+    for (const std::string& label : scene.closureLabels) {
+      if (std::find(labels_.begin(), labels_.end(), label) == labels_.end()) labels_.push_back(label);
+    }
     plan_->labelCount = labels_.size();
+    plan_->labels = labels_;
   }
 
   void add(const scene::AovRequest& request) {
@@ -269,13 +274,13 @@ class PlanBuilder {
   }
 
   void addLightGroups(const scene::AovRequest& request) {
-    if (labels_.size() == 1) {
+    if (groupCount_ == 1) {
       errors_.error(request.location, "no light of the scene is in a group",
                     {"an emitter or a shape gets into one by <string name=\"light_group\" value=\"NAME\"/>"});
       return;
     }
     std::string named;
-    for (std::size_t i = 1; i < labels_.size(); ++i) {
+    for (std::size_t i = 1; i < groupCount_; ++i) {
       addLight({"light_" + labels_[i], "light_" + labels_[i], request.location}, "C.*<[LOB].'" + labels_[i] + "'>");
       named += "'" + labels_[i] + "'";
     }
@@ -285,6 +290,7 @@ class PlanBuilder {
   const AovScene& scene_;
   std::unique_ptr<AovPlan> plan_ = std::make_unique<AovPlan>();
   std::vector<std::string> labels_ = {""};
+  std::size_t groupCount_ = 1;  ///< Of the labels, those of light groups and none.
   std::vector<LightPathExpression> expressions_;
   std::set<std::string> names_;
   Diagnostics errors_;

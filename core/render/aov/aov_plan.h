@@ -32,6 +32,7 @@ struct AovPlan {
   bool followsPaths = false;                   ///< There are expressions.
   std::vector<std::uint32_t> expressionSlots;  ///< By expression: red, then green and blue.
   std::size_t labelCount = 1;
+  std::vector<std::string> labels;        ///< The first stands for none.
   std::vector<PathSymbol> lightSymbols;   ///< By light: how paths end at it.
   std::vector<PathSymbol> objectSymbols;  ///< By object, that emits by its shader.
   std::vector<FeatureSlot> firstHit, firstSeen, picture;
@@ -48,7 +49,7 @@ struct AovPlan {
   std::uint32_t matteWeightSlot = 0;
   std::vector<std::optional<MovingTransform<World, Object>>> objectMotions;  ///< By object, for motion vectors.
 
-  PathSymbol symbol(PathEvent event) const { return symbolOf(event, 0, labelCount); }
+  PathSymbol symbol(PathEvent event, std::size_t label = 0) const { return symbolOf(event, label, labelCount); }
   bool wants(AovFeature feature) const;
 };
 
@@ -68,6 +69,7 @@ struct AovScene {
     std::string name;
   };
   std::vector<Output> outputs;                    ///< What shaders show by `debug`.
+  std::vector<std::string> closureLabels;         ///< That shaders give to closures; may come several times.
   std::vector<Thing> objectThings, mediumThings;  ///< By object, and by medium.
   bool tracesPaths = true;  ///< The integrator follows light paths, rather than showing distances.
 };

@@ -51,8 +51,8 @@ class DeepWalk {
     const Medium* medium = ruler(scene.cameraMedium);
     std::optional<accel::HitKey> passed;
     while (maximum(left_) > negligible) {
-      const auto hit =
-          scene.geometry->closestHit(ray_, path_.spans, path_.statistics().accel, passed ? &*passed : nullptr);
+      const auto hit = scene.geometry->closestHit(ray_, path_.spans, path_.statistics().accel,
+                                                  passed ? &*passed : nullptr, shading::ray::camera);
       const double begin = passed ? passed->t : static_cast<double>(ray_.tMin);
       const double end = hit ? hit->t : static_cast<double>(ray_.tMax);
       path_.setRay(ray_);

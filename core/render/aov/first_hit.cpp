@@ -93,7 +93,7 @@ volume::Task<> recordFirstHit(PathContext& path, CameraSample camera, Ray<World>
   const PreparedScene& scene = path.scene();
   const auto& slots = path.record->plan().firstHit;
   if (slots.empty()) co_return;
-  const auto hit = scene.geometry->closestHit(ray, path.spans, path.statistics().accel);
+  const auto hit = scene.geometry->closestHit(ray, path.spans, path.statistics().accel, nullptr, shading::ray::camera);
   if (!hit) co_return;
   for (const AovPlan::FeatureSlot& slot : slots) {
     if (slot.feature != AovFeature::albedo) {

@@ -54,14 +54,45 @@ ScatterShares::ScatterShares(const ClosureMix& closures, Vector<World> direction
 ScatterShares::ScatterShares(const ClosureMix& closures, const ClosureSample& sample, bool reflects) {
   if (sample.isPassing) {
     shares_[0].event = PathEvent::straight;
+    shares_[0].label = closures.labelOf(sample);
   } else if (sample.isDelta) {
+    shares_[0].label = closures.labelOf(sample);
     shares_[0].event = reflects ? PathEvent::reflectSpecular : PathEvent::transmitSpecular;
   } else {
     split(closures, sample.direction, reflects);
   }
 }
 
+void ScatterShares::add(PathEvent event, std::uint32_t label, Color part) {
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (shares_[i].event != event || shares_[i].label != label) continue;
+    shares_[i].share += part;
+    return;
+  }
+  shares_[count_++] = {event, part, label};
+}
+
+void ScatterShares::splitByLabel(const ClosureMix& closures, Vector<World> direction, bool reflects) {
+  const PathEvent matte = reflects ? PathEvent::reflectDiffuse : PathEvent::transmitDiffuse;
+  const PathEvent glossy = reflects ? PathEvent::reflectGlossy : PathEvent::transmitGlossy;
+  count_ = 0;
+  Color all;
+  for (std::size_t i = 0; i < closures.termCount(); ++i) {
+    const ClosureMix::TermShare term = closures.evaluateTerm(i, direction);
+    all += term.all;
+    if (!isBlack(term.diffuse)) add(matte, term.label, term.diffuse);
+    if (const Color rest = term.all - term.diffuse; !isBlack(rest)) add(glossy, term.label, rest);
+  }
+  for (std::size_t i = 0; i < count_; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      float& share = shares_[i].share[c];
+      share = all[c] != 0 ? share / all[c] : 0;
+    }
+  }
+}
+
 void ScatterShares::split(const ClosureMix& closures, Vector<World> direction, bool reflects) {
+  if (closures.hasLabels()) return splitByLabel(closures, direction, reflects);
   const Color all = closures.evaluate(direction), matte = closures.evaluateDiffuse(direction);
   Color diffuse;
   for (int c = 0; c < 3; ++c) diffuse[c] = all[c] != 0 ? matte[c] / all[c] : (isBlack(matte) ? 0.0f : 1.0f);

@@ -17,7 +17,7 @@ volume::Task<> seeMedium(PathContext& path, const volume::Medium& medium, Point<
 void seeSurface(PathContext& path, const ClosureMix& closures, const accel::SurfaceHit& hit, float distance,
                 Color throughput);
 
-/// How a surface's closures share what they scatter into a direction.
+/// How a surface's closures share what they scatter into a direction: by kind, and by label where they have labels.
 class ScatterShares {
  public:
   /// By diffuse and glossy ones; `reflects`: the direction is on the viewer's side.
@@ -28,8 +28,10 @@ class ScatterShares {
 
  private:
   void split(const ClosureMix& closures, Vector<World> direction, bool reflects);
+  void splitByLabel(const ClosureMix& closures, Vector<World> direction, bool reflects);
+  void add(PathEvent event, std::uint32_t label, Color part);
 
-  std::array<ScatterShare, 2> shares_;
+  std::array<ScatterShare, 2 * ClosureMix::maximumTerms> shares_;
   std::size_t count_ = 1;
 };
 

@@ -296,7 +296,8 @@ class Parser {
     std::string known;
     for (std::size_t i = 1; i < labels_.size(); ++i) known += (i > 1 ? ", '" : " '") + labels_[i] + "'";
     fail("nothing has the label '" + name + "'" +
-             (known.empty() ? std::string(": no emitter has a light_group") : "; known are" + known),
+             (known.empty() ? std::string(": no emitter has a light_group, and no closure a label")
+                            : "; known are" + known),
          open);
     return 0;
   }

@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 
+#include "core/base/cie_xyz.h"
+
 namespace aerosol::render {
 
 void PathRecord::begin() {
@@ -41,7 +43,8 @@ void PathRecord::scatter(std::span<const ScatterShare> shares, Color weight) {
   weights_.clear();
   for (const Weight& each : before_) {
     for (const ScatterShare& share : shares) {
-      put(weights_, plan_.automaton.next(each.state, plan_.symbol(share.event)), each.weight * weight * share.share);
+      put(weights_, plan_.automaton.next(each.state, plan_.symbol(share.event, share.label)),
+          each.weight * weight * share.share);
     }
   }
 }
@@ -60,7 +63,7 @@ void PathRecord::add(Color light, PathSymbol source) {
 void PathRecord::addSampled(Color light, std::span<const ScatterShare> shares) {
   for (const Weight& each : weights_) {
     for (const ScatterShare& share : shares) {
-      State state = plan_.automaton.next(each.state, plan_.symbol(share.event));
+      State state = plan_.automaton.next(each.state, plan_.symbol(share.event, share.label));
       if (lit_.wentStraight) state = plan_.automaton.next(state, plan_.symbol(PathEvent::straight));
       deposit(plan_.automaton.next(state, lit_.source), each.weight * light * share.share);
     }
@@ -91,16 +94,6 @@ void PathRecord::see(const Seen& seen) {
     }
   }
 }
-
-namespace {
-
-/// Linear Rec.709 to CIE XYZ, 1931 observer, white point D65 (IEC 61966-2-1).
-std::array<float, 3> toXyz(Color c) {
-  return {0.4124f * c.r + 0.3576f * c.g + 0.1805f * c.b, 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b,
-          0.0193f * c.r + 0.1192f * c.g + 0.9505f * c.b};
-}
-
-}  // namespace
 
 std::span<const float> PathRecord::finish(const Sample& sample) {
   for (const AovPlan::FeatureSlot& slot : plan_.picture) {

@@ -17,6 +17,7 @@ namespace aerosol::render {
 struct ScatterShare {
   PathEvent event = PathEvent::volume;
   Color share{1.0f};
+  std::uint32_t label = 0;  ///< Of the closure.
 };
 
 /// A path follows all expressions at once. Where closures of several kinds scatter into one direction, it goes on as

@@ -1,5 +1,7 @@
 #include "core/render/preparation/aovs.h"
 
+#include <algorithm>
+
 #include "core/render/preparation/deep.h"
 
 namespace aerosol::render {
@@ -62,9 +64,23 @@ AovScene describeSources(const Preparation& state) {
   nameThings(state, sources);
   for (std::uint32_t i = 0; i < state.scene->objects.size(); ++i) {
     for (const auto& [site, name] : state.scene->objects[i].outputs) sources.outputs.push_back({i, site, name});
+    for (const auto& [site, name] : state.scene->objects[i].labelNames) sources.closureLabels.push_back(name);
   }
   while (sources.lights.size() < lights.size()) add({});
   return sources;
+}
+
+/// Numbers the labels of closures where expressions follow paths.
+void numberLabels(PreparedScene& scene, const AovPlan& plan) {
+  if (!plan.followsPaths) return;
+  for (PreparedObject& object : scene.objects) {
+    if (object.labelNames.empty()) continue;
+    object.labels.assign(object.closures.size(), 0);
+    for (const auto& [site, name] : object.labelNames) {
+      const auto label = std::find(plan.labels.begin(), plan.labels.end(), name);
+      object.labels[site] = static_cast<std::uint32_t>(label - plan.labels.begin());
+    }
+  }
 }
 
 }  // namespace
@@ -97,6 +113,7 @@ void decideAovs(Preparation& state) {
     }
   }
   state.scene->aovs = std::move(*plan);
+  numberLabels(*state.scene, *state.scene->aovs);
 }
 
 }  // namespace aerosol::render

@@ -97,14 +97,31 @@ void checkSite(Preparation& state, const lang::Program& program, std::uint32_t i
   }
 }
 
-/// The name of an output, which has to be known before the render.
-void findOutput(Preparation& state, const lang::Program& program, std::uint32_t site, PreparedObject& object) {
+/// A parameter of a site that is a text known before the render; null for any other.
+const std::string* constantText(const lang::Program& program, std::uint32_t site, std::size_t parameter) {
   for (const lang::Output& output : program.outputs) {
-    if (output.kind != lang::OutputKind::siteParameter || output.index != site) continue;
+    if (output.kind != lang::OutputKind::siteParameter || output.index != site || output.subIndex != parameter)
+      continue;
     const lang::Variable& variable = program.variables[output.variable];
     const auto* text = std::get_if<std::vector<std::string>>(&variable.value);
-    if (variable.storage != lang::Storage::constant || !text || text->size() != 1) break;
-    object.outputs.push_back({site, text->front()});
+    return variable.storage == lang::Storage::constant && text && text->size() == 1 ? &text->front() : nullptr;
+  }
+  return nullptr;
+}
+
+/// The label of a closure; one that is not known before the render is none.
+void findLabel(const lang::Program& program, std::uint32_t site, PreparedObject& object) {
+  const std::vector<std::string>& names = program.closureSites[site].parameterNames;
+  const auto label = std::find(names.begin(), names.end(), "label");
+  if (label == names.end()) return;
+  const std::string* text = constantText(program, site, static_cast<std::size_t>(label - names.begin()));
+  if (text && !text->empty()) object.labelNames.push_back({site, *text});
+}
+
+/// The name of an output, which has to be known before the render.
+void findOutput(Preparation& state, const lang::Program& program, std::uint32_t site, PreparedObject& object) {
+  if (const std::string* text = constantText(program, site, 0)) {
+    object.outputs.push_back({site, *text});
     return;
   }
   state.appendNew(Diagnostic{Severity::error,
@@ -159,6 +176,7 @@ void describeMaterial(Preparation& state, PreparedObject& object) {
     checkSite(state, folded, index, object.closures[i]);
     if (object.closures[i] && object.closures[i]->kind() == ClosureKind::output)
       findOutput(state, folded, index, object);
+    findLabel(folded, index, object);
     const bool isInterior = object.closures[i] && object.closures[i]->kind() == ClosureKind::interior;
     if (isInterior && !isWeightless(folded, index)) state.scene->nestsMedia = object.saysInside = true;
     const bool isBody = object.closures[i] && object.closures[i]->kind() == ClosureKind::subsurface;

@@ -173,9 +173,10 @@ void placeInteriors(Preparation& state) {
     }
     if (!shape.isFromFile() && !shape.displacement) continue;
     Box<Object> box;
-    const bool moves = state.motionOf(shape.toWorld) != nullptr;
+    const bool isAtHome = state.motionOf(shape.toWorld) != nullptr ||
+                          state.scene->geometry->sharedPlacement(static_cast<accel::ObjectId>(i)) != nullptr;
     const Transform<Object, World> toObject =
-        moves ? Transform<Object, World>() : state.atOpening(shape.toWorld).inverse();
+        isAtHome ? Transform<Object, World>() : state.atOpening(shape.toWorld).inverse();
     for (const Point<World>& p : state.scene->geometry->mesh(static_cast<accel::ObjectId>(i))->positions) {
       box.extend(toObject(p));
     }

@@ -65,15 +65,11 @@ Result<accel::TriangleMesh> meshOf(Preparation& state, const scene::Shape& shape
     auto loaded = state.meshFiles.load(shape, toWorld, state.warnings);
     if (!loaded) return loaded.errors();
     mesh = std::move(*loaded);
-    if (shape.flipTexCoords.value_or(shape.type == ShapeType::obj)) {
-      for (accel::TexCoord& uv : mesh.uvs) uv.v = 1 - uv.v;
-    }
     repairBody(state, shape, mesh);
   } else {
     mesh = shape.type == ShapeType::cube ? accel::makeCube(toWorld) : accel::makeRectangle(toWorld);
   }
-  mesh.faceNormals = mesh.faceNormals || shape.faceNormals;
-  mesh.flipNormals = shape.flipNormals;
+  applyFlags(shape, mesh);
   return mesh;
 }
 
@@ -129,6 +125,11 @@ Result<accel::ObjectId> addMovingShape(Preparation& state, std::size_t index,
 Result<accel::ObjectId> addShape(Preparation& state, std::size_t index, bool passThrough) {
   using scene::ShapeType;
   const scene::Shape& shape = state.description.shapes[index];
+  if (shape.isCurves() && state.motionOf(shape.toWorld)) {
+    Diagnostics errors;
+    errors.error(shape.origin.location, "fibres cannot move: leave them out of a group that does");
+    return errors;
+  }
   if (const auto motion = state.motionOf(shape.toWorld)) return addMovingShape(state, index, motion, passThrough);
   if (shape.displacement) return addDisplacedShape(state, index, nullptr, passThrough);
   const Transform<World, Object> toWorld = state.atOpening(shape.toWorld);
@@ -137,9 +138,53 @@ Result<accel::ObjectId> addShape(Preparation& state, std::size_t index, bool pas
   if (shape.type == ShapeType::disk) return state.builder.addDisk(toWorld, passThrough, shape.flipNormals);
   if (shape.type == ShapeType::cylinder)
     return state.builder.addCylinder(cylinderToWorld(shape, toWorld), passThrough, shape.flipNormals);
+  if (shape.isCurves()) {
+    auto curves = accel::loadCurves(shape.file.string(), curveBasis(shape), toWorld);
+    if (!curves) return curves.errors();
+    return state.builder.addCurves(std::move(*curves), passThrough);
+  }
+  // Bodies may be repaired: what they are made of is theirs alone.
+  if (!(shape.repair && state.scene->objects[index].saysInside)) {
+    const auto shared = state.meshFiles.shared(shape, state.builder, state.warnings);
+    if (!shared) return shared.errors();
+    if (*shared) return state.builder.addInstance(**shared, toWorld, passThrough);
+  }
   auto mesh = meshOf(state, shape, toWorld);
   if (!mesh) return mesh.errors();
   return state.builder.addMesh(std::move(*mesh), passThrough);
+}
+
+}  // namespace
+
+accel::CurveBasis curveBasis(const scene::Shape& shape) {
+  return shape.type == scene::ShapeType::linearcurve ? accel::CurveBasis::linear : accel::CurveBasis::bSpline;
+}
+
+namespace {
+
+/// What keeps light and paths consistent: media lie behind surfaces that are there for every ray, and lights are met
+/// wherever they are sampled.
+void decideVisibility(Preparation& state, const scene::Shape& shape, PreparedObject& object) {
+  using scene::RayKind;
+  static_assert(RayKind::camera == shading::ray::camera && RayKind::shadow == shading::ray::shadow &&
+                RayKind::diffuse == shading::ray::diffuse && RayKind::reflection == shading::ray::reflection &&
+                RayKind::refraction == shading::ray::refraction);
+  if (shape.visibleTo == RayKind::all) return;
+  constexpr std::uint32_t scattered = RayKind::diffuse | RayKind::reflection | RayKind::refraction;
+  const bool isInterface = object.separatesMedia() || object.isBoundary ||
+                           std::any_of(object.closures.begin(), object.closures.end(), [](const Closure* closure) {
+                             return closure && closure->kind() == ClosureKind::interior;
+                           });
+  if (isInterface) {
+    state.errors.error(shape.origin.of("visible_to"), "a shape that bounds a medium is there for all rays");
+  }
+  if (shape.emitter && (shape.visibleTo & (scattered | RayKind::shadow)) != (scattered | RayKind::shadow)) {
+    state.errors.error(shape.origin.of("visible_to"), "a shape that shines can be hidden from the camera alone");
+  }
+  object.castsShadows = (shape.visibleTo & RayKind::shadow) != 0;
+  object.stopsScattered = (shape.visibleTo & RayKind::diffuse) != 0;
+  const bool hides = object.castsShadows && (shape.visibleTo & scattered) != scattered;
+  state.scene->hidesSurfaces = state.scene->hidesSurfaces || hides;
 }
 
 }  // namespace
@@ -150,10 +195,13 @@ void addShapes(Preparation& state) {
     PreparedObject& object = state.scene->objects[i];
     describeMaterial(state, object);
     object.facesViewer = shape.facesViewer;
+    decideVisibility(state, shape, object);
     auto id = addShape(state, i, object.isBoundary);
     if (!id) state.appendAt(shape.origin.location, id.errors());
-    if (id && object.passesShadows) state.builder.letShadowsPass(*id);
-    state.scene->shadowsPass = state.scene->shadowsPass || object.passesShadows;
+    const bool lets = object.passesShadows || !object.castsShadows;
+    if (id && lets) state.builder.letShadowsPass(*id);
+    if (id && shape.visibleTo != scene::RayKind::all) state.builder.setVisibility(*id, shape.visibleTo);
+    state.scene->shadowsPass = state.scene->shadowsPass || lets;
   }
 }
 

@@ -6,6 +6,9 @@
 
 namespace aerosol::render {
 
+/// Of a shape that is fibres.
+accel::CurveBasis curveBasis(const scene::Shape& shape);
+
 void addShapes(Preparation& state);
 void addVolumes(Preparation& state);
 

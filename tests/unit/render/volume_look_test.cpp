@@ -18,6 +18,11 @@ scene::Volume volumeWith(const scene::VolumeControls& controls) {
   return volume;
 }
 
+Result<std::vector<bool>> named(const scene::Volume& volume, std::span<const std::string> ids,
+                                std::span<const std::string> shining) {
+  return namedLights(volume.controls.lights, volume.origin, ids, shining);
+}
+
 VolumeLook look(const scene::VolumeControls& controls) {
   const auto made = lookOf(volumeWith(controls));
   EXPECT_TRUE(made);
@@ -89,11 +94,9 @@ TEST(VolumeLooks, BadRampsAreErrorsAtTheirPlace) {
 
 TEST(LightLinks, NameLightsById) {
   const std::vector<std::string> ids{"key", "", "rim", "burnt_out"}, shining{"key", "", "rim"};
-  EXPECT_EQ(*namedLights(volumeWith({.lights = "rim , key"}), ids, shining),
-            (std::vector<bool>{true, false, true, false}));
-  EXPECT_EQ(*namedLights(volumeWith({.lights = "none"}), ids, shining),
-            (std::vector<bool>{false, false, false, false}));
-  const auto wrong = namedLights(volumeWith({.lights = "key,fill"}), ids, shining);
+  EXPECT_EQ(*named(volumeWith({.lights = "rim , key"}), ids, shining), (std::vector<bool>{true, false, true, false}));
+  EXPECT_EQ(*named(volumeWith({.lights = "none"}), ids, shining), (std::vector<bool>{false, false, false, false}));
+  const auto wrong = named(volumeWith({.lights = "key,fill"}), ids, shining);
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.errors().entries()[0].location.line, 5);
   EXPECT_EQ(wrong.errors().entries()[0].notes[0], "the lights are: key, rim");

@@ -55,6 +55,41 @@ TEST(Upgrade, MaterialsAndTexturesGetTheirNewParameters) {
   EXPECT_DOUBLE_EQ(m[1][3], 60);
 }
 
+TEST(Upgrade, FiltersGammaAndEncodedColoursGetTheirNewForms) {
+  const SceneDescription scene = readOld(R"(<sensor type="perspective"/><shape type="sphere">
+      <bsdf type="plastic"><texture type="bitmap" name="diffuseReflectance"><string name="filename" value="a.png"/>
+        <string name="filterType" value="ewa"/><float name="gamma" value="1.0"/></texture>
+        <srgb name="specularReflectance" value="0.5, 1, 0"/></bsdf></shape>)");
+  ASSERT_EQ(scene.layers.size(), 1u);
+  const ShaderParameter* filter = scene.layers[0].find("filter_type");
+  ASSERT_TRUE(filter);
+  EXPECT_EQ(std::get<std::string>(filter->value), "bilinear");
+  EXPECT_TRUE(scene.layers[0].find("raw"));
+  const ShaderParameter* tint = scene.materials[0].find("specular_reflectance");
+  ASSERT_TRUE(tint);
+  const Color color = std::get<Color>(tint->value);
+  EXPECT_NEAR(color.r, 0.2140411f, 1e-5f);
+  EXPECT_NEAR(color.g, 1, 1e-6f);
+  EXPECT_EQ(color.b, 0);
+}
+
+TEST(Upgrade, FilmsForDisplaysAreFilms) {
+  Diagnostics warnings;
+  const auto scene = loadString(R"(<scene version="0.6.0"><sensor type="perspective"><film type="ldrfilm">
+      <integer name="width" value="64"/><string name="fileFormat" value="png"/><float name="gamma" value="2.2"/>
+      <string name="pixelFormat" value="luminanceAlpha"/></film></sensor></scene>)",
+                                "old.xml", {}, {}, warnings);
+  EXPECT_FALSE(scene);
+  const auto good = loadString(R"(<scene version="0.6.0"><sensor type="perspective"><film type="ldrfilm">
+      <integer name="width" value="64"/><string name="fileFormat" value="png"/><float name="gamma" value="2.2"/>
+      <string name="pixelFormat" value="luminance_alpha"/></film></sensor></scene>)",
+                               "old.xml", {}, {}, warnings);
+  ASSERT_TRUE(good) << format(good.errors());
+  EXPECT_EQ(good->film.width, 64);
+  EXPECT_EQ(good->film.pixelFormat, PixelFormat::luminanceAlpha);
+  EXPECT_NE(format(warnings).find("gamma"), std::string::npos);
+}
+
 TEST(Upgrade, NewFilesAreReadAsTheyAre) {
   EXPECT_NE(readErrors(R"(<sensor type="perspective"><float name="nearClip" value="1"/></sensor>)").find("nearClip"),
             std::string::npos);
