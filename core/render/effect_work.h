@@ -17,6 +17,7 @@ enum class Work : std::uint8_t {
   movingLight,       ///< Light that was sampled of lights that move.
   lightTree,         ///< Lights found through the hierarchy.
   chosenDistance,    ///< Distances chosen for a light beside the ray.
+  lampDirection,     ///< Vertices that send some paths towards lamps in media.
   linkedLight,       ///< Light estimates where not all lights count.
   straightCrossing,  ///< Surfaces that a shadow ray asked whether they let it pass.
   mediumBoundary,    ///< Crossings of surfaces that only bound media.

@@ -18,6 +18,9 @@ constexpr double rounding = 0.5 * static_cast<double>(std::numeric_limits<float>
 /// taken. Between the two at random, so that images have no seam.
 constexpr double uselessVariation = 2, fullVariation = 8;
 
+/// Optical depth of a tabulated cell up to which the table is as good as the extinction itself.
+constexpr double fineDepth = 2;
+
 }  // namespace
 
 LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, const volume::RayStretches& stretches) {
@@ -54,8 +57,15 @@ LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, co
 
 LightsAlongRay::Candidate LightsAlongRay::candidate(const LightPlace& light) const {
   const LightFromRay seen = LightFromRay::of(light, ray_, stretches_);
-  Candidate result{.sampler = {stretches_, seen.projection, seen.keptDistance}, .isMet = seen.isMet};
-  result.share = static_cast<double>(light.intensity) * result.sampler.integral();
+  Candidate result;
+  result.isMet = seen.isMet;
+  result.isAttenuated = stretches_.isKnown() && lights_->tree().isEmpty();
+  if (result.isAttenuated) {
+    result.attenuated = {stretches_, seen.projection, seen.keptDistance};
+  } else {
+    result.even = {stretches_, seen.projection, seen.keptDistance};
+  }
+  result.share = static_cast<double>(light.intensity) * result.integral();
   double near = std::numeric_limits<double>::infinity(), far = 0;
   for (const volume::RayStretch& s : stretches_.all()) {
     const double a = s.a - seen.projection, b = s.b - seen.projection;
@@ -105,8 +115,8 @@ std::optional<LightsAlongRay::Choice> LightsAlongRay::choose(std::array<float, 2
 
 std::optional<LightsAlongRay::Choice> LightsAlongRay::place(LightId light, const Candidate& seen, double probability,
                                                             float xi) {
-  const double t = seen.sampler.sample(static_cast<double>(xi));
-  const double density = probability * seen.chance * seen.sampler.pdf(t);
+  const double t = seen.sample(static_cast<double>(xi));
+  const double density = probability * seen.chance * seen.pdf(t);
   if (!(density > 0 && std::isfinite(density))) return {};
   return Choice{light, t, density, seen.isMet};
 }
@@ -118,14 +128,15 @@ double LightsAlongRay::probability(LightId light, const Candidate& seen) const {
   return lights_->placed().size() > 1 ? seen.share / totalShare() : 1;
 }
 
-double LightsAlongRay::density(LightId light, double t) const {
-  if (!chooses_ || stretches_.isEmpty()) return 0;
+LightsAlongRay::Claim LightsAlongRay::claim(LightId light, double t) const {
+  if (!chooses_ || stretches_.isEmpty()) return {};
   const std::optional<LightPlace> place = lights_->placeOf(light);
-  if (!place) return 0;
+  if (!place) return {};
   const Candidate seen = candidate(*place);
-  if (seen.chance == 0) return 0;
-  const double density = probability(light, seen) * seen.chance * seen.sampler.pdf(t);
-  return std::isfinite(density) ? density : 0;
+  if (seen.chance == 0) return {};
+  const double density = probability(light, seen) * seen.chance * seen.pdf(t);
+  if (!(density > 0 && std::isfinite(density))) return {};
+  return {density, seen.isAttenuated && seen.chance >= 1 && seen.attenuated.coarseness() <= fineDepth};
 }
 
 float LightsAlongRay::correction(LightId light, double t, float distance) const {

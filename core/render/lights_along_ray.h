@@ -1,5 +1,6 @@
 // Which light, and where along a ray: light sampling that begins with the light (Kulla and Fajardo 2012; Conty and
-// Kulla 2018, section 6).
+// Kulla 2018, section 6). Where all media on the ray are constant, and lights few, their extinction is part of the
+// density: then it follows nearly the whole integrand, and no other way to sample the light there is needed.
 #pragma once
 
 #include <array>
@@ -45,18 +46,31 @@ class LightsAlongRay {
 
   /// `u` in [0, 1)². Often none: a light whose falloff hardly varies over the stretches is left to other techniques.
   std::optional<Choice> choose(std::array<float, 2> u) const;
-  /// The density with which `choose` gives this light and place.
-  double density(LightId light, double t) const;
+  /// What `choose` does for a light and a place.
+  struct Claim {
+    double density = 0;  ///< With which it gives them.
+    /// It does so in proportion to nearly all that they contribute: other samples of the light from there would only
+    /// add noise.
+    bool isEnough = false;
+  };
+  Claim claim(LightId light, double t) const;
+  double density(LightId light, double t) const { return claim(light, t).density; }
   /// What the irradiance of a light, sampled at a point of the ray `distance` away from it, is to be multiplied by: of
   /// point lights the falloff comes from the ray's distance, rounded once, which may be a kept one. 1 for all others.
   float correction(LightId light, double t, float distance) const;
 
  private:
   struct Candidate {
-    volume::EquiangularSampler sampler;
-    double share = 0;   ///< In the choice, not normalised.
-    double chance = 0;  ///< That the choice is carried out.
+    volume::EquiangularSampler even;
+    volume::AttenuatedEquiangularSampler attenuated;
+    bool isAttenuated = false;  ///< Which of the two serves.
+    double share = 0;           ///< In the choice, not normalised.
+    double chance = 0;          ///< That the choice is carried out.
     bool isMet = false;
+
+    double sample(double xi) const { return isAttenuated ? attenuated.sample(xi) : even.sample(xi); }
+    double pdf(double t) const { return isAttenuated ? attenuated.pdf(t) : even.pdf(t); }
+    double integral() const { return isAttenuated ? attenuated.integral() : even.integral(); }
   };
   Candidate candidate(const LightPlace& light) const;
   double totalShare() const;

@@ -105,16 +105,28 @@ volume::RayStretches scatteringStretches(const PathContext& path, double t0, dou
   volume::RayStretches stretches;
   double end = t1;
   if (boundaryMedium) end = std::min(end, t0 + reachOf(*boundaryMedium));
-  const bool isWhole = (boundaryMedium && boundaryMedium->mayScatter) ||
-                       path.scene().geometry->overlapDesign() == accel::OverlapDesign::partition;
-  if (isWhole && t0 < end) stretches.add(t0, end);
+  const auto add = [&](double a, double b, const Medium* medium) {
+    if (!(a < b)) return;
+    if (!medium || !medium->constant) return stretches.add(a, b);
+    stretches.add(a, b, {medium->constant->sigmaT, medium->constant->sigmaS});
+  };
+  const bool isPartitioned = path.scene().geometry->overlapDesign() == accel::OverlapDesign::partition;
+  const bool isWhole = (boundaryMedium && boundaryMedium->mayScatter) || isPartitioned;
+  if (isWhole) add(t0, end, isPartitioned ? nullptr : boundaryMedium);
+  // Overlap, and what only weakens light, is not told apart.
+  bool isSimple = isWhole || !boundaryMedium || !boundaryMedium->constant || isBlack(boundaryMedium->constant->sigmaT);
+  double behind = t0;
   for (const accel::Span& span : path.spans) {
     const Medium& medium = path.mediumSpans.mediumOf(span);
     const double a = std::max(span.t0, t0);
     end = std::min(end, a + reachOf(medium));
     const double b = std::min(span.t1, end);
-    if (medium.mayScatter && !medium.isHoldout && a < b) stretches.add(a, b);
+    const bool scatters = medium.mayScatter && !medium.isHoldout;
+    if (scatters) add(a, b, &medium);
+    isSimple = isSimple && scatters && !isWhole && a >= behind;
+    behind = std::max(behind, span.t1);
   }
+  if (!isSimple) stretches.forgetExtinction();
   return stretches;
 }
 

@@ -44,7 +44,7 @@ void setUpCamera(Preparation& state) {
   state.scene->seed = static_cast<std::uint64_t>(state.description.sampler.seed);
   const scene::Integrator& integrator = state.description.integrator;
   state.scene->path = {integrator.maxDepth, integrator.rrDepth, integrator.hideEmitters, integrator.stepScale,
-                       integrator.equiangular};
+                       integrator.equiangular, integrator.lampDirections};
   state.scene->loopBudget = state.options.loopBudget;
 }
 
@@ -156,6 +156,9 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   if (state.errors.hasErrors()) return fail(state);
   describeObjects(state);
   findInitialMedia(state);
+  if (state.scene->path.equiangular.isCalledFor() && state.scene->path.lampDirections) {
+    state.scene->lampsInMedia = findLampsInMedia(*state.scene);
+  }
   decideAovs(state);
   refuseMissingEffects(state);
   if (state.errors.hasErrors()) return fail(state);

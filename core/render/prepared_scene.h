@@ -13,6 +13,7 @@
 #include "core/render/carried_volume.h"
 #include "core/render/closure.h"
 #include "core/render/filter.h"
+#include "core/render/lamp_directions.h"
 #include "core/render/light_set.h"
 #include "core/render/linked_lights.h"
 #include "core/render/message_log.h"
@@ -67,6 +68,7 @@ struct PathSettings {
   bool hideEmitters = false;
   float stepScale = 1;
   EffectSwitch equiangular = true;  ///< Distances in media are also sampled for the lights beside the ray.
+  bool lampDirections = true;       ///< And directions towards lamps in media.
 };
 
 /// How a medium moves by its velocity: its shader is run at x - (t - reference) v(x).
@@ -127,6 +129,7 @@ struct PreparedScene {
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
   EffectSwitch probesMedia;          ///< Paths may begin in different media: each one looks by itself.
   LightSet lights;
+  std::vector<LampInMedia> lampsInMedia;  ///< Towards which directions are chosen.
   EffectSwitch hasMovingLights;
   std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By light: what its light is multiplied by.
   std::optional<Camera> camera;

@@ -150,8 +150,9 @@ struct Integrator {
   bool lowerPriorityWins = false;                                          ///< Of surface-defined media that overlap.
   DistanceSampling distance = DistanceSampling::automatic;                 ///< For media that do not choose.
   TransmittanceSampling transmittance = TransmittanceSampling::automatic;  ///< For media that do not choose.
-  bool equiangular = true;  ///< Distances in media are also chosen for the lights beside a ray.
-  bool footprints = true;   ///< Shaders are told how their inputs change from pixel to pixel.
+  bool equiangular = true;     ///< Distances in media are also chosen for the lights beside a ray.
+  bool lampDirections = true;  ///< Directions out of media are also chosen towards lamps inside of media.
+  bool footprints = true;      ///< Shaders are told how their inputs change from pixel to pixel.
   OverlapChoice overlap = OverlapChoice::automatic;
   float stepScale = 1;       ///< Factor on all ray marching steps, > 0.
   int boundBoxes = 1 << 16;  ///< Boxes over which bounds of all media together may be evaluated, at least 0.

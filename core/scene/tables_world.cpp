@@ -249,6 +249,10 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                  {.name = "transmittance", .doc = "transmittance to lights through media that do not choose"}),
              field<&Integrator::equiangular>(
                  {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
+             field<&Integrator::lampDirections>(
+                 {.name = "lamp_directions",
+                  .doc = "directions out of media are also chosen towards lamps that stand in media; only with "
+                         "equiangular"}),
              field<&Integrator::stepScale>(
                  {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
              field<&Integrator::boundBoxes>({.name = "bound_boxes",

@@ -116,6 +116,7 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
   radiance.color += state.throughput * light;
   if (path.record) path.record->addSampled(light, inMedium);
+  if (vertex.followsLamps()) path.statistics().work.add(Work::lampDirection);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
   if (path.record) path.record->scatter(inMedium, Color(next.weight));
   state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links()};

@@ -119,6 +119,11 @@ const std::vector<EffectCase>& cases() {
       {"lamp_in_fog",
        lamp + volume(homogeneous),
        {"light-sampling", "point-lights", "volumes", "constant-media", "volume-scattering", "equiangular-sampling"}},
+      {"lamp_inside",
+       std::string(R"(<emitter type="point"><point name="position" x="0" y="0.2" z="0"/></emitter>)") +
+           volume(homogeneous),
+       {"light-sampling", "point-lights", "volumes", "constant-media", "volume-scattering", "equiangular-sampling",
+        "lamp-directions"}},
       {"lamp_in_smoke", lamp + volume(absorber), {"light-sampling", "point-lights", "volumes", "constant-media"}},
       {"still", fmt::format(R"(<shape type="sphere">{}</shape>)", sliding), {"surfaces"}},
       {"moving_shape",

@@ -200,5 +200,68 @@ TEST(LightsInFogMany, BothWaysShowTheSame) {
   EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(8192), 0.01));
 }
 
+constexpr const char* noLampDirections = R"(<boolean name="lamp_directions" value="false"/>)";
+
+/// Lamps of all kinds in a medium that scatters many times, forwards or not: directions towards them change no mean.
+TEST(LampsInMedia, DirectionsTowardsThemShowTheSame) {
+  const auto content = [](const std::string& lamp, const char* medium) {
+    return lamp + fmt::format(R"(<volume type="sphere">{}</volume>)", medium);
+  };
+  const std::string ball = R"(<shape type="sphere"><point name="center" x="0.1" y="0.3" z="-0.2"/>
+      <float name="radius" value="0.1"/><bsdf type="diffuse"/>
+      <emitter type="area"><rgb name="radiance" value="6, 3, 2"/></emitter></shape>)";
+  const std::string two = R"(<emitter type="constant"><rgb name="radiance" value="0.1"/></emitter>
+      <emitter type="point"><point name="position" x="0.4" y="0.5" z="0"/><rgb name="intensity" value="1, 0.5, 0.2"/></emitter>
+      <emitter type="point"><point name="position" x="-0.4" y="-0.2" z="0.1"/><rgb name="intensity" value="0.4"/></emitter>)";
+  constexpr const char* fog = R"(<medium type="homogeneous"><rgb name="sigma_t" value="1, 1.5, 2"/>
+      <rgb name="albedo" value="0.9, 0.8, 0.6"/></medium>)";
+  constexpr const char* forward = R"(<medium type="homogeneous"><rgb name="sigma_t" value="2"/>
+      <rgb name="albedo" value="0.9"/><float name="g" value="0.6"/></medium>)";
+  constexpr const char* ramp = R"(<medium type="ramp"><string name="distance" value="null"/>
+      <float name="at_zero" value="1"/><float name="slope" value="0.5"/><float name="most" value="2"/>
+      <rgb name="albedo" value="0.8"/></medium>)";
+  const std::string depth = R"(<integer name="max_depth" value="6"/><boolean name="hide_emitters" value="true"/>)";
+  const TestSensor view{.fov = 24, .width = 8, .height = 8};
+  TestSensor other = view;
+  other.seed = 1;
+  for (const auto& [lamp, medium] : {std::pair{ball, fog}, {two, forward}, {ball, ramp}, {two, fog}}) {
+    const TestScene with = loadScene(depth, view, content(lamp, medium));
+    const TestScene without = loadScene(depth + noLampDirections, other, content(lamp, medium));
+    ASSERT_FALSE(with.scene()->lampsInMedia.empty());
+    ASSERT_TRUE(without.scene()->lampsInMedia.empty());
+    EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(2048), 0.02)) << medium;
+  }
+}
+
+/// Outside of media, and without equiangular sampling, there are none.
+TEST(LampsInMedia, AreThoseThatStandInThem) {
+  const auto countOf = [](const std::string& integrator, const char* y) {
+    const TestScene scene =
+        loadScene(integrator, {.width = 4, .height = 4},
+                  fmt::format(R"(<emitter type="point"><point name="position" x="0" y="{}" z="0"/></emitter>
+          <volume type="sphere"><medium type="homogeneous"/></volume>)",
+                              y));
+    return scene.scene()->lampsInMedia.size();
+  };
+  EXPECT_EQ(countOf("", "0.5"), 1u);
+  EXPECT_EQ(countOf("", "1.5"), 0u);
+  EXPECT_EQ(countOf(noLampDirections, "0.5"), 0u);
+  EXPECT_EQ(countOf(R"(<boolean name="equiangular" value="false"/>)", "0.5"), 0u);
+}
+
+/// Light that is scattered up to 16 times.
+TEST(LampsInMediaVariance, IsSeveralTimesLessWithDirectionsTowardsThem) {
+  LampInFog lamp;
+  lamp.lampRadius = 0.01;
+  lamp.intensity = 5000;
+  const std::string depth = R"(<integer name="max_depth" value="16"/><boolean name="hide_emitters" value="true"/>)";
+  const TestSensor wholeBall{.fov = 24, .width = 16, .height = 16};
+  const TestScene with = loadScene(depth, wholeBall, lamp.xml(""));
+  const TestScene without = loadScene(depth + noLampDirections, wholeBall, lamp.xml(""));
+  const double ratio = meanVariance(*without.render(512)) / meanVariance(*with.render(512));
+  RecordProperty("ratio", fmt::format("{:.1f}", ratio));
+  EXPECT_GT(ratio, 2);
+}
+
 }  // namespace
 }  // namespace aerosol::test

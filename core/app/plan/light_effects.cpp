@@ -88,6 +88,16 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
                      isEquiangular,
                      countOf(render::Work::chosenDistance),
                      {}});
+  const bool followsLamps = !scene.lampsInMedia.empty();
+  effects.push_back({"lamp-directions",
+                     followsLamps ? "directions are also chosen towards " +
+                                        formatCount(scene.lampsInMedia.size(), "lamp") + " in media"
+                     : !isEquiangular             ? "only with equiangular sampling"
+                     : !scene.path.lampDirections ? "the scene or the command line turns it off"
+                                                  : "few lamps in media that scatter would call for it",
+                     followsLamps,
+                     countOf(render::Work::lampDirection),
+                     {}});
   for (const scene::Volume& volume : description.volumes) {
     if (!volume.controls.lights.empty()) linked.add(volume.type, volume.origin.location);
   }

@@ -31,6 +31,8 @@ const std::vector<RemovableEffect>& removableEffects() {
        }},
       {"equiangular-sampling", "the same image in the mean; more noise around lights in media",
        [](SceneDescription& d) { d.integrator.equiangular = false; }},
+      {"lamp-directions", "the same image in the mean; more noise of light that lamps in media scatter twice or more",
+       [](SceneDescription& d) { d.integrator.lampDirections = false; }},
       {"multiple-scattering", "light is scattered once at most: clouds get darker",
        [](SceneDescription& d) {
          d.integrator.maxDepth = d.integrator.maxDepth < 0 ? 2 : std::min(2, d.integrator.maxDepth);
