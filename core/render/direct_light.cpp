@@ -105,14 +105,33 @@ volume::PhaseSample MediumVertex::sampleMixture(std::array<float, 2> u) const {
   return sample;
 }
 
-volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time) {
+DirectLight::DirectLight(PathContext& path, const ScatteringVertex& vertex, float time, float splitThreshold)
+    : vertex_(vertex), lights_(path.scene().lightsOf(vertex.links())), uniforms_{.time = time} {
+  const PhaseScope phase(path.statistics().accel.phase, Phase::lights);
+  uniforms_.place = path.random().next2D();
+  picks_ = lights_.pick(vertex.position(), path.random().next1D(), splitThreshold);
+  if (picks_.count > 1) path.statistics().work.add(Work::lightSplitting);
+}
+
+// What serves several clusters is turned by the golden ratio of two dimensions (Roberts 2018).
+LightUniforms DirectLight::uniforms() const {
+  constexpr std::array turns{0.7548777f, 0.5698403f};
+  LightUniforms uniforms = uniforms_;
+  for (std::size_t i = 0; next_ > 1 && i < turns.size(); ++i) {
+    const float turned = uniforms.place[i] + turns[i] * static_cast<float>(next_ - 1);
+    uniforms.place[i] = std::min(turned - std::floor(turned), 0x1.fffffep-1f);
+  }
+  return uniforms;
+}
+
+volume::Task<Color> estimateDirectLight(PathContext& path, const DirectLight& lit) {
   std::optional<PhaseScope> phase(std::in_place, path.statistics().accel.phase, Phase::lights);
-  const LightSet& lights = path.scene().lightsOf(vertex.links());
-  LightUniforms uniforms{.time = time};
-  uniforms.place = path.random().next2D();
-  uniforms.choice = path.random().next1D();
-  const auto choice = lights.choose(vertex.position(), uniforms.choice);
+  const ScatteringVertex& vertex = lit.vertex();
+  const LightSet& lights = lit.lights();
+  const auto choice = lit.choice();
   if (!choice) co_return Color();
+  LightUniforms uniforms = lit.uniforms();
+  const float time = uniforms.time;
   ++path.statistics().lightSamples[choice->index];
   if (choice->part != LightId::whole) path.statistics().work.add(Work::lightTree);
   if (path.scene().hasMovingLights && lights[choice->index].moves()) path.statistics().work.add(Work::movingLight);
@@ -152,7 +171,7 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
 // balance heuristic leaves one over the sum of all. Where the first one is enough by itself the second is left out: its
 // density is 0, for all three.
 volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& vertex,
-                                        const LightsAlongRay::Choice& choice, float time) {
+                                        const LightsAlongRay::Choice& choice, float time, float splitThreshold) {
   const LightSet& lights = path.scene().lightsOf(vertex.links());
   if (!lights.contains(choice.light.light)) co_return Color();
   ++path.statistics().lightSamples[choice.light.light];
@@ -175,9 +194,10 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   if (path.record) path.record->noteLight(choice.light.light, light->direction, path.wentStraight);
   const double byDirection =
       light->isDelta || path.wentStraight ? 0 : static_cast<double>(vertex.pdf(light->direction));
-  const double fromPlace = vertex.rivalry(choice.light).isEnough
-                               ? 0
-                               : static_cast<double>(lights.probability(choice.light, vertex.position()));
+  const double fromPlace =
+      vertex.rivalry(choice.light).isEnough
+          ? 0
+          : static_cast<double>(lights.probability(choice.light, vertex.position(), splitThreshold));
   const double byTracker = directionPdf * fromPlace + byDirection;
   const double density = choice.density * directionPdf + vertex.place().choicePdf * byTracker;
   const auto correction = static_cast<double>(vertex.correction(choice.light, light->distance));
@@ -222,7 +242,8 @@ Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::Sur
   if (record.isDelta) return radiance;
   const LightId id = lights.idOf(light, at);
   const Rivalry rivalry = record.place ? record.place->rivalry(id) : Rivalry();
-  const double byPoint = rivalry.isEnough ? 0 : static_cast<double>(lights.probability(id, record.from));
+  const double byPoint =
+      rivalry.isEnough ? 0 : static_cast<double>(lights.probability(id, record.from, record.splitThreshold));
   const auto others =
       static_cast<float>((byPoint + rivalry.ratio) * static_cast<double>(lights.pdf(id, record.from, at)));
   return radiance * balance(record.pdf, others);

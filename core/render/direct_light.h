@@ -150,14 +150,38 @@ class SurfaceVertex final : public ScatteringVertex {
   bool lightsPassed_;
 };
 
-/// One sample of one light: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the
-/// vertex and against vertices that were chosen for the light. Two slots of the path's stream.
-volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time);
+/// The light sampling of one vertex: of one light, or of several where clusters of many are split. Two slots of the
+/// path's stream. Path and vertex outlive it.
+class DirectLight {
+ public:
+  DirectLight(PathContext& path, const ScatteringVertex& vertex, float time, float splitThreshold);
+
+  /// Goes on to the next sample, first of all to the first one; false behind the last.
+  bool next() { return next_++ < picks_.count; }
+
+  // The sample at hand:
+  const ScatteringVertex& vertex() const { return vertex_; }
+  const LightSet& lights() const { return lights_; }
+  std::optional<LightSet::Choice> choice() const { return lights_.choose(picks_, next_ - 1, vertex_.position()); }
+  /// What `choice` leaves to draw with.
+  LightUniforms uniforms() const;
+
+ private:
+  const ScatteringVertex& vertex_;
+  const LightSet& lights_;
+  LightSet::Picks picks_;
+  LightUniforms uniforms_;
+  std::size_t next_ = 0;
+};
+
+/// The sample at hand: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the vertex
+/// and against vertices that were chosen for the light.
+volume::Task<Color> estimateDirectLight(PathContext& path, const DirectLight& lit);
 
 /// The same for a vertex that was chosen for a light, which must be one that lights it: divided by the joint density of
 /// light and place. One slot.
 volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& vertex,
-                                        const LightsAlongRay::Choice& choice, float time);
+                                        const LightsAlongRay::Choice& choice, float time, float splitThreshold);
 
 /// What the path found by its own direction sampling needs to weight light that it meets.
 struct DirectionRecord {
@@ -166,6 +190,7 @@ struct DirectionRecord {
   bool isDelta = true;  ///< No light sample could have found the direction (or there was none): full weight.
   std::optional<PlaceOnRay> place;      ///< Of a vertex in a medium.
   const LinkedLights* links = nullptr;  ///< Which lights count; null: all.
+  float splitThreshold = neverSplit;    ///< Of the light sampling there.
   bool isReplaced = false;  ///< Shadow rays have gone straight where this direction was bent: no light counts.
 };
 

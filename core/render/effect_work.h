@@ -16,6 +16,7 @@ enum class Work : std::uint8_t {
   lightTexture,      ///< Light that a texture was asked for.
   movingLight,       ///< Light that was sampled of lights that move.
   lightTree,         ///< Lights found through the hierarchy.
+  lightSplitting,    ///< Vertices where several clusters of lights were sampled.
   chosenDistance,    ///< Distances chosen for a light beside the ray.
   lampDirection,     ///< Vertices that send some paths towards lamps in media.
   linkedLight,       ///< Light estimates where not all lights count.

@@ -43,8 +43,8 @@ void setUpCamera(Preparation& state) {
       state.description.sampler.type == scene::SamplerType::sobol ? SamplerKind::sobol : SamplerKind::independent;
   state.scene->seed = static_cast<std::uint64_t>(state.description.sampler.seed);
   const scene::Integrator& integrator = state.description.integrator;
-  state.scene->path = {integrator.maxDepth, integrator.rrDepth, integrator.hideEmitters, integrator.stepScale,
-                       integrator.equiangular, integrator.lampDirections};
+  state.scene->path = {integrator.maxDepth,    integrator.rrDepth,     integrator.hideEmitters,  integrator.stepScale,
+                       integrator.equiangular, integrator.splitLights, integrator.lampDirections};
   state.scene->loopBudget = state.options.loopBudget;
 }
 
@@ -156,6 +156,7 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   if (state.errors.hasErrors()) return fail(state);
   describeObjects(state);
   findInitialMedia(state);
+  state.scene->splitsLights = state.scene->path.splitThreshold > 0 && !state.scene->lights.tree().isEmpty();
   if (state.scene->path.equiangular.isCalledFor() && state.scene->path.lampDirections) {
     state.scene->lampsInMedia = findLampsInMedia(*state.scene);
   }

@@ -68,7 +68,8 @@ struct PathSettings {
   bool hideEmitters = false;
   float stepScale = 1;
   EffectSwitch equiangular = true;  ///< Distances in media are also sampled for the lights beside the ray.
-  bool lampDirections = true;       ///< And directions towards lamps in media.
+  float splitThreshold = 0;    ///< Clusters of lights are split whose spread is a larger part of all light; 0: none.
+  bool lampDirections = true;  ///< And directions towards lamps in media.
 };
 
 /// How a medium moves by its velocity: its shader is run at x - (t - reference) v(x).
@@ -130,6 +131,7 @@ struct PreparedScene {
   EffectSwitch probesMedia;          ///< Paths may begin in different media: each one looks by itself.
   LightSet lights;
   std::vector<LampInMedia> lampsInMedia;  ///< Towards which directions are chosen.
+  EffectSwitch splitsLights;              ///< Vertices may sample several clusters of lights.
   EffectSwitch hasMovingLights;
   std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By light: what its light is multiplied by.
   std::optional<Camera> camera;

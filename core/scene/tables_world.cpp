@@ -249,6 +249,15 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                  {.name = "transmittance", .doc = "transmittance to lights through media that do not choose"}),
              field<&Integrator::equiangular>(
                  {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
+             field<&Integrator::splitLights>(
+                 {.name = "split_lights",
+                  .doc = "of many lights up to eight are sampled at a point: clusters are split while one's spread is "
+                         "more than this part of all the light that arrives; 0 samples one light, 0.05 splits readily",
+                  .range = Range::atLeast(0)}),
+             field<&Integrator::volumeLights>(
+                 {.name = "volume_lights",
+                  .doc = "media that glow are sampled as lights, where bounds on their emission are proven; otherwise "
+                         "paths meet them by chance"}),
              field<&Integrator::lampDirections>(
                  {.name = "lamp_directions",
                   .doc = "directions out of media are also chosen towards lamps that stand in media; only with "

@@ -46,6 +46,7 @@ struct PathState {
   DirectionRecord direction;                  ///< How the ray's direction was found.
   const Medium* boundaryMedium = nullptr;     ///< Surface-defined medium around the ray.
   std::optional<accel::SurfaceHit> touching;  ///< A surface right where the ray begins, to be met first.
+  float splitThreshold = neverSplit;          ///< Of light sampling at the ray's end.
   bool lightsReach = false;  ///< Since lights were sampled the path has only gone through what lets shadow
                              ///< rays pass straight.
   int length = 1;            ///< Segments so far, this ray's included.
@@ -83,6 +84,13 @@ LightsAlongRay lightsAlongRay(const PathContext& path, const PathState& state, d
   return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), chooses};
 }
 
+/// Clusters of lights are split at the ray's end where they matter to the picture: less so, the less of the light there
+/// comes through. By what holds before anything is drawn for the ray, so that all densities agree about it.
+float splitThreshold(const PreparedScene& scene, Color throughput) {
+  if (!scene.splitsLights) return neverSplit;
+  return scene.path.splitThreshold / std::max(maximum(abs(throughput)), 1e-6f);
+}
+
 /// Light that reaches the ray at a place chosen for it.
 Task<Color> lightAlongRay(PathContext& path, const PathState& state, const LightsAlongRay& lights,
                           const LightsAlongRay::Choice& choice, const volume::DistanceSample& found) {
@@ -90,7 +98,7 @@ Task<Color> lightAlongRay(PathContext& path, const PathState& state, const Light
   const PlaceOnRay place{lights, found.t, found.choicePdf};
   const MediumVertex vertex(path.scene(), *found.medium, state.ray, place, found.anisotropy, state.boundaryMedium,
                             path.media);
-  const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time);
+  const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time, state.splitThreshold);
   if (path.record) {
     path.record->addSampled(found.weight * light, inMedium);
     path.record->addInFront(seenDistance(state, vertex.position()), state.throughput * found.weight * light);
@@ -113,13 +121,15 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   if (state.length == scene.path.maxDepth) co_return false;
   path.statistics().work.add(Work::mediumScattering);
   beginVertex(path, state.length);
-  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
-  radiance.color += state.throughput * light;
-  if (path.record) path.record->addSampled(light, inMedium);
+  for (DirectLight lit(path, vertex, state.ray.time, state.splitThreshold); lit.next();) {
+    const Color light = co_await estimateDirectLight(path, lit);
+    radiance.color += state.throughput * light;
+    if (path.record) path.record->addSampled(light, inMedium);
+  }
   if (vertex.followsLamps()) path.statistics().work.add(Work::lampDirection);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
   if (path.record) path.record->scatter(inMedium, Color(next.weight));
-  state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links()};
+  state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links(), state.splitThreshold};
   state.rayTypes = shading::ray::diffuse;
   state.lightsReach = true;
   if (path.keepsFootprints()) {
@@ -189,9 +199,11 @@ Task<Step> leaveBody(PathContext& path, PathState& state, Radiance& radiance, co
   const SurfaceVertex vertex(way->hit, exit.mix(), outside, outside);
   // The numbers with which lights were sampled where it entered serve again: no product has both.
   beginVertex(path, state.length);
-  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
-  radiance.color += state.throughput * light;
-  if (path.record && !isBlack(light)) path.record->addSampled(light, outOfBody);
+  for (DirectLight lit(path, vertex, state.ray.time, neverSplit); lit.next();) {
+    const Color light = co_await estimateDirectLight(path, lit);
+    radiance.color += state.throughput * light;
+    if (path.record && !isBlack(light)) path.record->addSampled(light, outOfBody);
+  }
   const std::optional<ClosureSample> leaving =
       exit.mix().sample({.choice = 0, .place = {path.random().nextHash(), path.random().nextHash()}});
   if (!leaving) co_return Step::ends;
@@ -264,9 +276,10 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   const bool lightsPassed = state.lightsReach && object.passesShadows;
   const SurfaceVertex vertex(hit, closures.mix(), {state.boundaryMedium, path.media},
                              {behind, nesting.isInterface ? path.mediaBehind : path.media}, lightsPassed);
-  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
-  radiance.color += state.throughput * light;
-  if (path.record && !isBlack(light)) {
+  for (DirectLight lit(path, vertex, state.ray.time, state.splitThreshold); lit.next();) {
+    const Color light = co_await estimateDirectLight(path, lit);
+    radiance.color += state.throughput * light;
+    if (!path.record || isBlack(light)) continue;
     const Vector<World> towards = path.record->litDirection();
     path.record->addSampled(light, ScatterShares(closures.mix(), towards, reflects(hit, towards)));
   }
@@ -289,8 +302,11 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   // Light from behind such a surface came straight to where lights were sampled last; bent light is not to be added.
   const bool isReplaced = lightsPassed && crosses;
   state.lightsReach = !next->isDelta || isReplaced;
-  state.direction = {
-      .from = hit.point, .pdf = next->pdf, .isDelta = next->isDelta || isReplaced, .isReplaced = isReplaced};
+  state.direction = {.from = hit.point,
+                     .pdf = next->pdf,
+                     .isDelta = next->isDelta || isReplaced,
+                     .splitThreshold = state.splitThreshold,
+                     .isReplaced = isReplaced};
   if (path.keepsFootprints()) {
     path.setFootprint(
         footprintBehind(path.footprint(), *scene.geometry, hit, *next, state.ray.time, scene.largestFootprint));
@@ -338,6 +354,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     path.setRay(state.ray);
     path.setRayTypes(state.rayTypes);
     findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media, state.direction.links);
+    state.splitThreshold = splitThreshold(scene, state.throughput);
     const LightsAlongRay lights = lightsAlongRay(path, state, begin, end);
     beginRay(path, state.length);
     const auto lit = lights.chooses() ? lights.choose(path.random().next2D()) : std::nullopt;

@@ -195,7 +195,9 @@ const std::vector<EffectCase>& cases() {
            <emitter type="area">)" +
            pictureFor("radiance") + "</emitter></shape>" + ground,
        {"light-sampling", "area-lights", "light-textures", "surfaces", "textures"}},
-      {"many_lamps", lamps(40) + ground, {"light-sampling", "point-lights", "light-hierarchy", "surfaces"}},
+      {"many_lamps",
+       lamps(40) + ground,
+       {"light-sampling", "point-lights", "light-hierarchy", "light-splitting", "surfaces"}},
       {"linked",
        lamps(2) + std::string(R"(<volume type="sphere"><string name="lights" value="l1"/>)") + homogeneous +
            "</volume>",

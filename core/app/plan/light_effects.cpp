@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/app/plan/effects.h"
@@ -77,6 +79,14 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
                             : "so few lights are weighed one by one",
                      isTree,
                      countOf(render::Work::lightTree),
+                     {}});
+  effects.push_back({"light-splitting",
+                     scene.splitsLights ? fmt::format("clusters are split while one's spread is {:.3g} of the light",
+                                                      scene.path.splitThreshold)
+                     : isTree           ? "the scene or the command line turns it off"
+                                        : "there is no hierarchy of lights",
+                     scene.splitsLights,
+                     countOf(render::Work::lightSplitting),
                      {}});
   const bool mayScatter = std::ranges::any_of(scene.media, &volume::Medium::mayScatter);
   const bool isEquiangular = scene.path.equiangular && mayScatter && !scene.lights.placed().empty();

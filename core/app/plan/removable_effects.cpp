@@ -31,6 +31,8 @@ const std::vector<RemovableEffect>& removableEffects() {
        }},
       {"equiangular-sampling", "the same image in the mean; more noise around lights in media",
        [](SceneDescription& d) { d.integrator.equiangular = false; }},
+      {"light-splitting", "the same image in the mean; one of many lights is sampled at a point, with more noise",
+       [](SceneDescription& d) { d.integrator.splitLights = 0; }},
       {"lamp-directions", "the same image in the mean; more noise of light that lamps in media scatter twice or more",
        [](SceneDescription& d) { d.integrator.lampDirections = false; }},
       {"multiple-scattering", "light is scattered once at most: clouds get darker",
