@@ -120,6 +120,7 @@ std::vector<image::Metadata> describeRender(const RenderRecord& record, const Sa
   entries.add("transmittance", wordOf(description.integrator.transmittance));
   entries.add("equiangular", description.integrator.equiangular ? 1 : 0);
   entries.add("splitLights", static_cast<double>(description.integrator.splitLights));
+  entries.add("jointLights", description.integrator.jointLights ? 1 : 0);
   entries.add("volumeLights", description.integrator.volumeLights ? 1 : 0);
   entries.add("lampDirections", description.integrator.lampDirections ? 1 : 0);
   if (!record.scene.samplingPlan.empty()) entries.add("sampling", render::toText(record.scene.samplingPlan));

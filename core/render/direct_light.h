@@ -53,10 +53,12 @@ class ScatteringVertex {
 struct PlaceOnRay {
   LightsAlongRay lights;  ///< Beside the ray.
   double t = 0;
-  double choicePdf = 0;  ///< Of the distance tracker (volume::DistanceSample).
+  double choicePdf = 0;   ///< Of the distance tracker (volume::DistanceSample).
+  double lightScale = 0;  ///< Where lights are tabulated: of the place, over the mass of all (volume::TabulatedLight).
 
   Rivalry rivalry(LightId light) const {
-    const LightsAlongRay::Claim claim = lights.claim(light, t);
+    const LightsAlongRay::Claim claim =
+        lights.isTabulated() ? lights.tabulatedClaim(light, t, lightScale) : lights.claim(light, t);
     return {choicePdf > 0 ? claim.density / choicePdf : 0, claim.isEnough};
   }
 };

@@ -18,6 +18,7 @@ enum class Work : std::uint8_t {
   lightTree,         ///< Lights found through the hierarchy.
   lightSplitting,    ///< Vertices where several clusters of lights were sampled.
   chosenDistance,    ///< Distances chosen for a light beside the ray.
+  tabulatedLight,    ///< Rays along which lights were tabulated.
   lampDirection,     ///< Vertices that send some paths towards lamps in media.
   linkedLight,       ///< Light estimates where not all lights count.
   straightCrossing,  ///< Surfaces that a shadow ray asked whether they let it pass.

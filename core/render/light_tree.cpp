@@ -255,6 +255,15 @@ std::uint32_t LightTree::split(std::span<const LightBounds> entries, std::uint32
   return static_cast<std::uint32_t>(middle - order_.begin());
 }
 
+std::size_t LightTree::clusterOf(std::uint32_t entry, const LightCut& cut) const {
+  const auto end = cut.nodes.begin() + static_cast<std::ptrdiff_t>(cut.count);
+  for (std::uint32_t index = leafOf_[entry];; index = nodes_[index].parent) {
+    const auto found = std::find(cut.nodes.begin(), end, index);
+    if (found != end) return static_cast<std::size_t>(found - cut.nodes.begin());
+    if (index == 0) return cut.count;
+  }
+}
+
 std::size_t LightTree::bytes() const {
   return nodes_.capacity() * sizeof(Node) + (order_.capacity() + leafOf_.capacity()) * sizeof(std::uint32_t) +
          intensities_.capacity() * sizeof(float);

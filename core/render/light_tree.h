@@ -102,6 +102,9 @@ class LightTree {
   /// Splits clusters of which the spread matters more than `threshold` times all the light. Empty where none matters.
   template <class Query>
   LightCut cut(const Query& query, float threshold) const;
+  /// Which cluster of the cut holds the entry; `cut.count` where none does.
+  std::size_t clusterOf(std::uint32_t entry, const LightCut& cut) const;
+  const LightBounds& bounds(std::uint32_t node) const { return nodes_[node].bounds; }
   /// One entry of a cluster of the cut.
   template <class Query>
   std::optional<Choice> chooseBelow(const Query& query, std::uint32_t node, float u) const;

@@ -139,6 +139,75 @@ LightsAlongRay::Claim LightsAlongRay::claim(LightId light, double t) const {
   return {density, seen.isAttenuated && seen.chance >= 1 && seen.attenuated.coarseness() <= fineDepth};
 }
 
+void LightsAlongRay::tabulate() {
+  if (!lights_->tree().isEmpty()) {
+    cut_ = lights_->tree().cut(RayQuery{ray_, stretches_}, 0.0f);
+    columnCount_ = static_cast<std::uint8_t>(cut_.count);
+  } else {
+    columnCount_ = static_cast<std::uint8_t>(std::min(lights_->placed().size(), volume::LightColumns::most));
+  }
+}
+
+volume::LightColumn LightsAlongRay::column(std::size_t index) const {
+  LightPlace place;
+  if (lights_->tree().isEmpty()) {
+    place = lights_->placed()[index].place;
+  } else {
+    const LightBounds& bounds = lights_->tree().bounds(cut_.nodes[index]);
+    place = {.centre = bounds.centre(), .extent = bounds.halfDiagonal(), .intensity = bounds.intensity};
+  }
+  const LightFromRay seen = LightFromRay::of(place, ray_, stretches_);
+  return {seen.projection, seen.keptDistance, static_cast<double>(place.intensity)};
+}
+
+volume::LightColumns LightsAlongRay::columns() const {
+  volume::LightColumns all;
+  all.count = columnCount_;
+  for (std::size_t i = 0; i < all.count; ++i) all.columns[i] = column(i);
+  return all;
+}
+
+std::optional<LightsAlongRay::Choice> LightsAlongRay::choose(const volume::TabulatedLight& found, float u) const {
+  if (found.found.event == volume::DistanceEvent::passed || !(found.mass > 0)) return {};
+  const double t = found.found.t;
+  LightId light;
+  if (lights_->tree().isEmpty()) {
+    light.light = lights_->placed()[found.column].index;
+  } else {
+    const PointQuery query{ray_.at(static_cast<float>(t))};
+    const auto entry = lights_->tree().chooseBelow(query, cut_.nodes[found.column], u);
+    if (!entry) return {};
+    light = lights_->idOf(entry->entry);
+  }
+  const Claim claim = tabulatedClaim(light, t, found.scale / found.mass);
+  if (!(claim.density > 0)) return {};
+  return Choice{light, t, claim.density, false};
+}
+
+LightsAlongRay::Claim LightsAlongRay::tabulatedClaim(LightId light, double t, double scale) const {
+  if (columnCount_ == 0 || !(scale > 0)) return {};
+  std::size_t index = 0;
+  double chance = 1;
+  if (lights_->tree().isEmpty()) {
+    const auto placed = lights_->placed();
+    const auto found = std::ranges::find(placed, light.light, &PlacedLight::index);
+    index = static_cast<std::size_t>(found - placed.begin());
+  } else if (!lights_->placeOf(light)) {
+    return {};
+  } else {
+    const std::uint32_t entry = lights_->entryOf(light);
+    index = lights_->tree().clusterOf(entry, cut_);
+    if (index < columnCount_) {
+      const PointQuery query{ray_.at(static_cast<float>(t))};
+      chance = static_cast<double>(lights_->tree().probability(query, entry, cut_));
+    }
+  }
+  if (index >= columnCount_) return {};
+  const double density = scale * column(index).falloff(t) * chance;
+  if (!(density > 0 && std::isfinite(density))) return {};
+  return {density, true};
+}
+
 float LightsAlongRay::correction(LightId light, double t, float distance) const {
   if (!lights_) return 1;
   const std::optional<LightPlace> place = lights_->placeOf(light);

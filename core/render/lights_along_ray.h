@@ -8,8 +8,10 @@
 #include <optional>
 
 #include "core/base/geometry.h"
+#include "core/render/light_choice.h"
 #include "core/render/light_set.h"
 #include "core/volume/equiangular.h"
+#include "core/volume/light_columns.h"
 
 namespace aerosol::render {
 
@@ -29,12 +31,19 @@ class LightsAlongRay {
  public:
   /// Nothing is ever chosen.
   LightsAlongRay() = default;
-  /// `chooses`: whether `choose` may choose something. The lights outlive this.
-  LightsAlongRay(const LightSet& lights, const Ray<World>& ray, const volume::RayStretches& stretches, bool chooses)
-      : lights_(&lights), ray_(ray), stretches_(stretches), chooses_(chooses) {}
+  /// The lights outlive this.
+  LightsAlongRay(const LightSet& lights, const Ray<World>& ray, const volume::RayStretches& stretches,
+                 LightChoice choice)
+      : lights_(&lights), ray_(ray), stretches_(stretches), chooses_(choice == LightChoice::equiangular) {
+    if (choice == LightChoice::tabulated && !stretches.isEmpty() && !lights.placed().empty()) tabulate();
+  }
 
   /// Whether `choose` may give anything.
   bool chooses() const { return chooses_ && !stretches_.isEmpty(); }
+  /// Whether places come from tables.
+  bool isTabulated() const { return columnCount_ > 0; }
+  /// What tables need to know of the lights.
+  volume::LightColumns columns() const;
 
   /// A light with a place along the ray.
   struct Choice {
@@ -46,6 +55,8 @@ class LightsAlongRay {
 
   /// `u` in [0, 1)². Often none: a light whose falloff hardly varies over the stretches is left to other techniques.
   std::optional<Choice> choose(std::array<float, 2> u) const;
+  /// The light of the place that tables gave; `u` in [0, 1) serves the choice within a cluster.
+  std::optional<Choice> choose(const volume::TabulatedLight& found, float u) const;
   /// What `choose` does for a light and a place.
   struct Claim {
     double density = 0;  ///< With which it gives them.
@@ -55,6 +66,8 @@ class LightsAlongRay {
   };
   Claim claim(LightId light, double t) const;
   double density(LightId light, double t) const { return claim(light, t).density; }
+  /// The same of tables: `scale` of the place (volume::TabulatedLight) over the mass of all.
+  Claim tabulatedClaim(LightId light, double t, double scale) const;
   /// What the irradiance of a light, sampled at a point of the ray `distance` away from it, is to be multiplied by: of
   /// point lights the falloff comes from the ray's distance, rounded once, which may be a kept one. 1 for all others.
   float correction(LightId light, double t, float distance) const;
@@ -73,6 +86,8 @@ class LightsAlongRay {
     double integral() const { return isAttenuated ? attenuated.integral() : even.integral(); }
   };
   Candidate candidate(const LightPlace& light) const;
+  void tabulate();
+  volume::LightColumn column(std::size_t index) const;
   double totalShare() const;
   /// With which the light is chosen; `seen` is the light.
   double probability(LightId light, const Candidate& seen) const;
@@ -82,6 +97,8 @@ class LightsAlongRay {
   Ray<World> ray_;
   volume::RayStretches stretches_;
   bool chooses_ = false;
+  std::uint8_t columnCount_ = 0;  ///< Lights, few as they are, or clusters of the hierarchy.
+  LightCut cut_;
 };
 
 }  // namespace aerosol::render

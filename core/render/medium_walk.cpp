@@ -156,8 +156,11 @@ Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color thr
     const bool tracks = whole.event == DistanceEvent::passed, finds = given && given->concerns(segment);
     if (!tracks && !finds) break;
     DistanceSample part;
-    const DistanceMethod method = methodOf(segment);
-    countWork(path.statistics().work, segment, method);
+    const DistanceMethod plain = methodOf(segment);
+    // Tabulated lights want cells, of constants as well.
+    const bool isTabulated = plain == DistanceMethod::closedForm && finds && given->lights;
+    const DistanceMethod method = isTabulated ? DistanceMethod::marching : plain;
+    countWork(path.statistics().work, segment, plain);
     switch (method) {
       case DistanceMethod::closedForm: {
         const volume::HomogeneousSegment homogeneous(segment, throughput);

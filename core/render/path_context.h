@@ -226,6 +226,8 @@ class PathContext {
   PathSpans mediumSpans;
   volume::SegmentStream segments;
   volume::MarchingTable marchingTable;
+  volume::LightColumns lightColumns;  ///< Of the ray, where lights are tabulated,
+  volume::TabulatedLight tabulated;   ///< and what was found.
 
   volume::MediumStack media;        ///< Surface-defined interiors around the path; only where media nest.
   volume::MediumStack shadowMedia;  ///< The same along a shadow ray.

@@ -43,8 +43,9 @@ void setUpCamera(Preparation& state) {
       state.description.sampler.type == scene::SamplerType::sobol ? SamplerKind::sobol : SamplerKind::independent;
   state.scene->seed = static_cast<std::uint64_t>(state.description.sampler.seed);
   const scene::Integrator& integrator = state.description.integrator;
-  state.scene->path = {integrator.maxDepth,    integrator.rrDepth,     integrator.hideEmitters,  integrator.stepScale,
-                       integrator.equiangular, integrator.splitLights, integrator.lampDirections};
+  state.scene->path = {integrator.maxDepth,    integrator.rrDepth,       integrator.hideEmitters,
+                       integrator.stepScale,   integrator.equiangular,   integrator.splitLights,
+                       integrator.jointLights, integrator.lampDirections};
   state.scene->loopBudget = state.options.loopBudget;
 }
 
@@ -115,6 +116,27 @@ void findInitialMedia(Preparation& state) {
   state.scene->probesMedia = state.scene->changes || needsProbes(*state.scene, eye, reach);
 }
 
+/// How lights beside rays through media are chosen together with places.
+void decideLightChoice(Preparation& state) {
+  PreparedScene& scene = *state.scene;
+  scene.lightChoice = scene.path.equiangular.isCalledFor() ? LightChoice::equiangular : LightChoice::none;
+  if (!scene.path.jointLights) return;
+  const auto hasTable = [](const volume::Medium& medium) {
+    return !medium.mayScatter || medium.method == volume::DistanceMethod::marching ||
+           medium.method == volume::DistanceMethod::closedForm;
+  };
+  const auto without = std::ranges::find_if_not(scene.media, hasTable);
+  if (without == scene.media.end()) {
+    scene.lightChoice = LightChoice::tabulated;
+    return;
+  }
+  state.warnings.warning(
+      state.description.integrator.origin.location,
+      "'joint_lights' has no effect: it needs the tables of ray marching, and '" + scene.mediumNames[without->index] +
+          "' is sampled otherwise",
+      {"choose 'marching' as the distance of all media, on the command line by --distance marching"});
+}
+
 /// What this build leaves out and the scene calls for.
 void refuseMissingEffects(Preparation& state) {
   if (hasOptionalEffects) return;
@@ -157,6 +179,7 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   describeObjects(state);
   findInitialMedia(state);
   state.scene->splitsLights = state.scene->path.splitThreshold > 0 && !state.scene->lights.tree().isEmpty();
+  decideLightChoice(state);
   if (state.scene->path.equiangular.isCalledFor() && state.scene->path.lampDirections) {
     state.scene->lampsInMedia = findLampsInMedia(*state.scene);
   }

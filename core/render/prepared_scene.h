@@ -14,6 +14,7 @@
 #include "core/render/closure.h"
 #include "core/render/filter.h"
 #include "core/render/lamp_directions.h"
+#include "core/render/light_choice.h"
 #include "core/render/light_set.h"
 #include "core/render/linked_lights.h"
 #include "core/render/message_log.h"
@@ -69,6 +70,7 @@ struct PathSettings {
   float stepScale = 1;
   EffectSwitch equiangular = true;  ///< Distances in media are also sampled for the lights beside the ray.
   float splitThreshold = 0;    ///< Clusters of lights are split whose spread is a larger part of all light; 0: none.
+  bool jointLights = false;    ///< Places along rays for lights come from the tables of marching.
   bool lampDirections = true;  ///< And directions towards lamps in media.
 };
 
@@ -130,8 +132,9 @@ struct PreparedScene {
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
   EffectSwitch probesMedia;          ///< Paths may begin in different media: each one looks by itself.
   LightSet lights;
-  std::vector<LampInMedia> lampsInMedia;  ///< Towards which directions are chosen.
-  EffectSwitch splitsLights;              ///< Vertices may sample several clusters of lights.
+  std::vector<LampInMedia> lampsInMedia;        ///< Towards which directions are chosen.
+  LightChoice lightChoice = LightChoice::none;  ///< Of places along rays through media.
+  EffectSwitch splitsLights;                    ///< Vertices may sample several clusters of lights.
   EffectSwitch hasMovingLights;
   std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By light: what its light is multiplied by.
   std::optional<Camera> camera;

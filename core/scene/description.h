@@ -153,6 +153,7 @@ struct Integrator {
   bool equiangular = true;     ///< Distances in media are also chosen for the lights beside a ray.
   float splitLights = 0.25f;   ///< Clusters of lights are split whose spread is a larger part of all light; 0: none.
   bool volumeLights = true;    ///< Media that glow are sampled as lights.
+  bool jointLights = false;    ///< Places along rays for lights come from the tables of marching.
   bool lampDirections = true;  ///< Directions out of media are also chosen towards lamps inside of media.
   bool footprints = true;      ///< Shaders are told how their inputs change from pixel to pixel.
   OverlapChoice overlap = OverlapChoice::automatic;

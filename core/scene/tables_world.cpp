@@ -254,6 +254,11 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                   .doc = "of many lights up to eight are sampled at a point: clusters are split while one's spread is "
                          "more than this part of all the light that arrives; 0 samples one light, 0.05 splits readily",
                   .range = Range::atLeast(0)}),
+             field<&Integrator::jointLights>(
+                 {.name = "joint_lights",
+                  .doc = "instead of equiangular distances, lights are tabulated along rays together with the media, "
+                         "and distances chosen in proportion to both; where all media that scatter are marched or "
+                         "constant"}),
              field<&Integrator::volumeLights>(
                  {.name = "volume_lights",
                   .doc = "media that glow are sampled as lights, where bounds on their emission are proven; otherwise "

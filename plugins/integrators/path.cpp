@@ -79,9 +79,10 @@ void continueFrom(PathState& state, Point<World> origin, Vector<World> direction
 LightsAlongRay lightsAlongRay(const PathContext& path, const PathState& state, double t0, double t1) {
   const PreparedScene& scene = path.scene();
   if (scene.lights.placed().empty() || scene.media.empty()) return {};
-  const bool chooses = scene.path.equiangular && state.length != scene.path.maxDepth;
+  const bool mayScatter = hasOptionalEffects && state.length != scene.path.maxDepth;
+  const LightChoice choice = mayScatter ? scene.lightChoice : LightChoice::none;
   const LightSet& lights = scene.lightsOf(commonLinks(path, state.boundaryMedium));
-  return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), chooses};
+  return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), choice};
 }
 
 /// Clusters of lights are split at the ray's end where they matter to the picture: less so, the less of the light there
@@ -91,11 +92,32 @@ float splitThreshold(const PreparedScene& scene, Color throughput) {
   return scene.path.splitThreshold / std::max(maximum(abs(throughput)), 1e-6f);
 }
 
+/// Lights are tabulated on the ray's way.
+void beginTable(PathContext& path, const LightsAlongRay& lights, volume::GivenDistance& given) {
+  path.lightColumns = lights.columns();
+  path.tabulated = {};
+  path.tabulated.columns = &path.lightColumns;
+  path.tabulated.u = path.random().next2D();
+  given.t = std::numeric_limits<double>::infinity();
+  given.lights = &path.tabulated;
+}
+
+/// At the end of the way: the place that the tables gave, and what they say of the tracker's.
+std::optional<LightsAlongRay::Choice> chooseFromTable(PathContext& path, const LightsAlongRay& lights,
+                                                      volume::GivenDistance& given, volume::DistanceSample& event) {
+  const volume::TabulatedLight& table = *given.lights;
+  path.statistics().work.add(Work::tabulatedLight);
+  event.lightScale = table.mass > 0 ? event.lightScale / table.mass : 0;
+  given.sample = table.found;
+  given.sample.lightScale = table.mass > 0 ? table.scale / table.mass : 0;
+  return lights.choose(table, path.random().nextHash());
+}
+
 /// Light that reaches the ray at a place chosen for it.
 Task<Color> lightAlongRay(PathContext& path, const PathState& state, const LightsAlongRay& lights,
                           const LightsAlongRay::Choice& choice, const volume::DistanceSample& found) {
   if (found.event != DistanceEvent::scattered || found.medium->isHoldout) co_return Color();
-  const PlaceOnRay place{lights, found.t, found.choicePdf};
+  const PlaceOnRay place{lights, found.t, found.choicePdf, found.lightScale};
   const MediumVertex vertex(path.scene(), *found.medium, state.ray, place, found.anisotropy, state.boundaryMedium,
                             path.media);
   const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time, state.splitThreshold);
@@ -112,7 +134,7 @@ Task<Color> lightAlongRay(PathContext& path, const PathState& state, const Light
 Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance, const LightsAlongRay& lights,
                            const volume::DistanceSample& event) {
   const PreparedScene& scene = path.scene();
-  const PlaceOnRay place{lights, event.t, event.choicePdf};
+  const PlaceOnRay place{lights, event.t, event.choicePdf, event.lightScale};
   const MediumVertex vertex(scene, *event.medium, state.ray, place, event.anisotropy, state.boundaryMedium, path.media);
   if (path.record) {
     const float distance = seenDistance(state, vertex.position());
@@ -357,14 +379,16 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     state.splitThreshold = splitThreshold(scene, state.throughput);
     const LightsAlongRay lights = lightsAlongRay(path, state, begin, end);
     beginRay(path, state.length);
-    const auto lit = lights.chooses() ? lights.choose(path.random().next2D()) : std::nullopt;
+    auto lit = lights.chooses() ? lights.choose(path.random().next2D()) : std::nullopt;
     volume::GivenDistance given{.t = lit ? lit->t : 0};
-    path.statistics().raysIntoLights += lit && lit->isMet;
-    if (lit) path.statistics().work.add(Work::chosenDistance);
+    if (lights.isTabulated()) beginTable(path, lights, given);
     // Behind a boundary, or a face that was touched, the ray's own numbers are used up.
     const auto numbers = passed || isTouching ? DistanceNumbers::hashed : DistanceNumbers::stratified;
-    const volume::DistanceSample event =
-        co_await sampleDistance(path, state.ray, state.throughput, lit ? &given : nullptr, numbers);
+    volume::DistanceSample event =
+        co_await sampleDistance(path, state.ray, state.throughput, lit || given.lights ? &given : nullptr, numbers);
+    if (given.lights) lit = chooseFromTable(path, lights, given, event);
+    path.statistics().raysIntoLights += lit && lit->isMet;
+    if (lit) path.statistics().work.add(Work::chosenDistance);
     if (!isBlack(event.emission)) {
       path.statistics().work.add(Work::mediumEmission);
       // Lights are sampled up to the first surface, whatever it is.

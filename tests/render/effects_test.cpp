@@ -40,7 +40,8 @@ struct EffectCase {
   std::string sensor{};           ///< Elements inside of it.
   std::set<std::string> rests{};  ///< Of `on`: that have nothing to do all the same.
   std::string sensorType = "perspective";
-  std::string placement{};  ///< Of the sensor.
+  std::string placement{};   ///< Of the sensor.
+  std::string integrator{};  ///< Elements inside of it.
 };
 
 constexpr const char* open = R"(<float name="shutter_open" value="0"/><float name="shutter_close" value="1"/>)";
@@ -124,6 +125,15 @@ const std::vector<EffectCase>& cases() {
            volume(homogeneous),
        {"light-sampling", "point-lights", "volumes", "constant-media", "volume-scattering", "equiangular-sampling",
         "lamp-directions"}},
+      {"tabulated_lamp",
+       R"(<emitter type="point"><point name="position" x="0" y="0.2" z="0"/></emitter>)" + volume(homogeneous),
+       {"light-sampling", "point-lights", "volumes", "constant-media", "volume-scattering", "joint-lights",
+        "lamp-directions"},
+       "",
+       {},
+       "perspective",
+       "",
+       R"(<boolean name="joint_lights" value="true"/>)"},
       {"lamp_in_smoke", lamp + volume(absorber), {"light-sampling", "point-lights", "volumes", "constant-media"}},
       {"still", fmt::format(R"(<shape type="sphere">{}</shape>)", sliding), {"surfaces"}},
       {"moving_shape",
@@ -232,7 +242,7 @@ class Effects : public ::testing::TestWithParam<EffectCase> {};
 const std::set<std::string> always{"multiple-scattering", "russian-roulette", "ray-tracing"};
 
 TEST_P(Effects, AreOnWhereTheyAreCalledForAndDoNothingElsewhere) {
-  const TestScene scene = loadScene("",
+  const TestScene scene = loadScene(GetParam().integrator,
                                     {.fov = 40,
                                      .width = 8,
                                      .height = 8,

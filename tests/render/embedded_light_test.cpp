@@ -123,6 +123,67 @@ TEST_P(LightsInFog, AFaultOfTwoPercentIsFound) {
   EXPECT_FALSE(shows(scene, *film, expected));
 }
 
+/// Places by the tables of marching.
+class JointLights : public ::testing::TestWithParam<Method> {
+ protected:
+  const std::string joint = R"(<boolean name="joint_lights" value="true"/>)";
+};
+
+TEST_P(JointLights, MeetQuadrature) {
+  LampInFog expected;
+  for (const double radius : {0.0, 0.01}) {
+    expected.lampRadius = radius;
+    expected.intensity = radius > 0 ? 5000 : 2;
+    const TestScene scene = loadScene(once + joint, besideTheLamp, expected.xml(GetParam().xml));
+    ASSERT_EQ(scene.scene()->lightChoice, render::LightChoice::tabulated);
+    EXPECT_TRUE(shows(scene, *scene.render(256), expected)) << radius;
+    expected.intensity *= 1.02;
+    EXPECT_FALSE(shows(scene, *scene.render(256), expected)) << radius;
+  }
+}
+
+/// Few lights and many, one of them behind an overlap of media, after several scatterings.
+TEST_P(JointLights, SeveralLightsShowTheSame) {
+  for (const int count : {3, 40}) {
+    std::string content = R"(<emitter type="constant"><rgb name="radiance" value="0.05"/></emitter>)";
+    for (int i = 0; i < count; ++i) {
+      content += fmt::format(R"(<emitter type="point"><point name="position" x="{}" y="{}" z="{}"/>
+          <rgb name="intensity" value="{}"/></emitter>)",
+                             0.9 * std::sin(5.0 * i), 0.9 * std::cos(3.0 * i), 0.6 * std::sin(2.0 * i + 1),
+                             (1 + i % 3) * 0.6 / count);
+    }
+    content += fmt::format(R"(<volume type="sphere">{0}</volume><volume type="sphere"><transform name="to_world">
+        <scale value="0.5"/><translate x="0.2"/></transform>{0}</volume>)",
+                           GetParam().xml[0] ? fmt::format(R"(<medium type="ramp">{}<float name="at_zero" value="1"/>
+            <float name="slope" value="0.4"/><float name="most" value="2"/><rgb name="albedo" value="0.8"/></medium>)",
+                                                           GetParam().xml)
+                                             : R"(<medium type="homogeneous"><rgb name="sigma_t" value="1, 1.4, 2"/>
+            <rgb name="albedo" value="0.9, 0.7, 0.6"/></medium>)");
+    const TestSensor view{.target = "0, -0.1, 0", .fov = 20, .width = 8, .height = 8};
+    TestSensor other = view;
+    other.seed = 1;
+    const std::string depth = R"(<integer name="max_depth" value="4"/>)";
+    const TestScene with = loadScene(depth + joint, view, content), without = loadScene(depth, other, content);
+    ASSERT_EQ(with.scene()->lightChoice, render::LightChoice::tabulated);
+    EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(1024), 0.02)) << count;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, JointLights, ::testing::Values(methods[0], methods[2], methods[4]),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+/// What needs tables is said to have none.
+TEST(JointLightsElsewhere, HaveNoEffectAndAreReported) {
+  const LampInFog lamp;
+  TestSensor sensor{.width = 4, .height = 4};
+  SceneOptions options;
+  options.mayWarn = true;
+  const TestScene scene = loadScene(R"(<boolean name="joint_lights" value="true"/>)", sensor,
+                                    lamp.xml(R"(<string name="distance" value="null"/>)"), options);
+  EXPECT_EQ(scene.scene()->lightChoice, render::LightChoice::equiangular);
+  EXPECT_NE(scene.warnings().find("'joint_lights' has no effect"), std::string::npos);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, LightsInFog, ::testing::ValuesIn(methods),
                          [](const auto& info) { return std::string(info.param.name); });
 

@@ -291,7 +291,7 @@ TEST_F(ManyPoints, TheChoiceAlongARayHasItsDensity) {
   volume::RayStretches stretches;
   stretches.add(2, 5);
   stretches.add(6, 8);
-  const LightsAlongRay lights(set_, ray, stretches, true);
+  const LightsAlongRay lights(set_, ray, stretches, LightChoice::equiangular);
   const auto falloff = [&](LightId id, double t) {
     const LightPlace place = *set_.placeOf(id);
     const Vector<World> d = place.centre - ray.at(static_cast<float>(t));

@@ -89,20 +89,31 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
                      countOf(render::Work::lightSplitting),
                      {}});
   const bool mayScatter = std::ranges::any_of(scene.media, &volume::Medium::mayScatter);
-  const bool isEquiangular = scene.path.equiangular && mayScatter && !scene.lights.placed().empty();
+  const bool mayChoose = mayScatter && !scene.lights.placed().empty();
+  const bool isTabulated = mayChoose && scene.lightChoice == render::LightChoice::tabulated;
+  const bool isEquiangular = mayChoose && scene.lightChoice == render::LightChoice::equiangular;
   effects.push_back({"equiangular-sampling",
                      isEquiangular             ? "distances in media are also sampled for lights beside the ray"
+                     : isTabulated             ? "lights are tabulated instead"
                      : !scene.path.equiangular ? "the scene or the command line turns it off"
                      : !mayScatter             ? "no medium scatters"
                                                : "no light is somewhere near rays",
                      isEquiangular,
                      countOf(render::Work::chosenDistance),
                      {}});
+  effects.push_back({"joint-lights",
+                     isTabulated               ? "distances in media are also sampled from tables of media and lights"
+                     : !scene.path.jointLights ? "not asked for"
+                     : !mayChoose              ? "no light is somewhere near rays through media that scatter"
+                                               : "some medium is not marched",
+                     isTabulated,
+                     countOf(render::Work::tabulatedLight),
+                     {}});
   const bool followsLamps = !scene.lampsInMedia.empty();
   effects.push_back({"lamp-directions",
                      followsLamps ? "directions are also chosen towards " +
                                         formatCount(scene.lampsInMedia.size(), "lamp") + " in media"
-                     : !isEquiangular             ? "only with equiangular sampling"
+                     : !scene.path.equiangular    ? "only with equiangular sampling"
                      : !scene.path.lampDirections ? "the scene or the command line turns it off"
                                                   : "few lamps in media that scatter would call for it",
                      followsLamps,

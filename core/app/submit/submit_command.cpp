@@ -72,6 +72,7 @@ class Submission {
     addWord("--distance", r.distance, scene::Words<scene::DistanceSampling>::words);
     addWord("--transmittance", r.transmittance, scene::Words<scene::TransmittanceSampling>::words);
     if (r.noEquiangular) words.push_back("--no-equiangular");
+    if (r.jointLights) words.push_back("--joint-lights");
     if (!r.plan.empty()) words.insert(words.end(), {"--plan", fs::absolute(r.plan).string()});
     return words;
   }
