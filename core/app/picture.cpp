@@ -116,6 +116,7 @@ std::vector<image::Metadata> describeRender(const RenderRecord& record, const Sa
   entries.add("integrator", description.integrator.type);
   entries.add("maxDepth", description.integrator.maxDepth);
   entries.add("rrDepth", description.integrator.rrDepth);
+  entries.add("roulette", wordOf(description.integrator.roulette));
   entries.add("distance", wordOf(description.integrator.distance));
   entries.add("transmittance", wordOf(description.integrator.transmittance));
   entries.add("equiangular", description.integrator.equiangular ? 1 : 0);

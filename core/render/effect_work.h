@@ -36,6 +36,7 @@ enum class Work : std::uint8_t {
   holdout,           ///< Paths that ended in a hole.
   laterScattering,   ///< Scattering events after a path's first.
   roulette,          ///< Games of Russian roulette.
+  contribution,      ///< Looks at what a path may still bring.
   look,              ///< Points whose coefficients a volume's controls changed.
   footprint,         ///< Points of which shaders were told how they change from pixel to pixel.
   layers,            ///< Samples of which more than the picture was gathered.

@@ -33,9 +33,11 @@ class LightsAlongRay {
   LightsAlongRay() = default;
   /// The lights outlive this.
   LightsAlongRay(const LightSet& lights, const Ray<World>& ray, const volume::RayStretches& stretches,
-                 LightChoice choice)
+                 LightChoice choice, float splitThreshold = neverSplit)
       : lights_(&lights), ray_(ray), stretches_(stretches), chooses_(choice == LightChoice::equiangular) {
-    if (choice == LightChoice::tabulated && !stretches.isEmpty() && !lights.placed().empty()) tabulate();
+    if (stretches.isEmpty() || lights.placed().empty()) return;
+    if (choice == LightChoice::tabulated) tabulate();
+    if (chooses_ && !lights.tree().isEmpty()) cut_ = lights.tree().cut(RayQuery{ray_, stretches_}, splitThreshold);
   }
 
   /// Whether `choose` may give anything.
@@ -53,13 +55,16 @@ class LightsAlongRay {
     bool isMet = false;  ///< The ray meets it, a point light whose radius nobody has set.
   };
 
-  /// `u` in [0, 1)². Often none: a light whose falloff hardly varies over the stretches is left to other techniques.
-  std::optional<Choice> choose(std::array<float, 2> u) const;
+  /// How many choices there are: of many lights one for each cluster, where these are split.
+  std::size_t count() const { return !chooses() ? 0 : lights_->tree().isEmpty() ? 1 : cut_.count; }
+  /// `u` in [0, 1)², the same for all choices, of which this is number `index`. Often none: a light whose falloff
+  /// hardly varies over the stretches is left to other techniques.
+  std::optional<Choice> choose(std::array<float, 2> u, std::size_t index = 0) const;
   /// The light of the place that tables gave; `u` in [0, 1) serves the choice within a cluster.
   std::optional<Choice> choose(const volume::TabulatedLight& found, float u) const;
   /// What `choose` does for a light and a place.
   struct Claim {
-    double density = 0;  ///< With which it gives them.
+    double density = 0;  ///< With which it gives them, in one of its choices.
     /// It does so in proportion to nearly all that they contribute: other samples of the light from there would only
     /// add noise.
     bool isEnough = false;

@@ -114,7 +114,7 @@ volume::RayStretches scatteringStretches(const PathContext& path, double t0, dou
   const bool isWhole = (boundaryMedium && boundaryMedium->mayScatter) || isPartitioned;
   if (isWhole) add(t0, end, isPartitioned ? nullptr : boundaryMedium);
   // Overlap, and what only weakens light, is not told apart.
-  bool isSimple = isWhole || !boundaryMedium || !boundaryMedium->constant || isBlack(boundaryMedium->constant->sigmaT);
+  bool isSimple = isWhole || !boundaryMedium || (boundaryMedium->constant && isBlack(boundaryMedium->constant->sigmaT));
   double behind = t0;
   for (const accel::Span& span : path.spans) {
     const Medium& medium = path.mediumSpans.mediumOf(span);
@@ -147,13 +147,14 @@ const LinkedLights* commonLinks(const PathContext& path, const Medium* boundaryM
 }
 
 Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput, volume::GivenDistance* given,
-                                    DistanceNumbers numbers) {
+                                    DistanceNumbers numbers, bool tracks) {
   DistanceSample whole;
   Segment segment;
   if (!path.segments.next(segment)) co_return whole;
   DistanceSource random(path.random(), numbers);
   do {
-    const bool tracks = whole.event == DistanceEvent::passed, finds = given && given->concerns(segment);
+    tracks = tracks && whole.event == DistanceEvent::passed;
+    const bool finds = given && given->concerns(segment);
     if (!tracks && !finds) break;
     DistanceSample part;
     const DistanceMethod plain = methodOf(segment);
@@ -189,7 +190,8 @@ Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color thr
     part.choicePdf *= whole.choicePdf;
     if (whole.pdfKind == volume::PdfKind::joint) part.pdfKind = volume::PdfKind::joint;
     whole = part;
-  } while ((whole.event == DistanceEvent::passed || (given && given->isOpen())) && path.segments.next(segment));
+    tracks = whole.event == DistanceEvent::passed;
+  } while ((tracks || (given && given->isOpen())) && path.segments.next(segment));
   co_return whole;
 }
 

@@ -25,6 +25,7 @@
 
 namespace aerosol::render {
 
+struct PilotPath;
 struct PreparedScene;
 class PathContext;
 class PathRecord;
@@ -218,6 +219,7 @@ class PathContext {
   RayFootprint footprint_, askedFootprint_;
 
  public:
+  EffectPointer<PilotPath> pilot;    ///< Of a pilot takes note of its vertices; null otherwise.
   EffectPointer<PathRecord> record;  ///< Of what AOVs gather; null when there are none.
 
   // Scratch, reused from ray to ray.

@@ -11,6 +11,7 @@
 #include "core/render/media_probe.h"
 #include "core/render/overlap.h"
 #include "core/render/preparation/aovs.h"
+#include "core/render/preparation/contributions.h"
 #include "core/render/preparation/displacement.h"
 #include "core/render/preparation/lights.h"
 #include "core/render/preparation/materials.h"
@@ -183,6 +184,7 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   if (state.scene->path.equiangular.isCalledFor() && state.scene->path.lampDirections) {
     state.scene->lampsInMedia = findLampsInMedia(*state.scene);
   }
+  if (!state.errors.hasErrors()) learnContributions(state);
   decideAovs(state);
   refuseMissingEffects(state);
   if (state.errors.hasErrors()) return fail(state);

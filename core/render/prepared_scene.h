@@ -12,6 +12,7 @@
 #include "core/render/camera.h"
 #include "core/render/carried_volume.h"
 #include "core/render/closure.h"
+#include "core/render/contribution_map.h"
 #include "core/render/filter.h"
 #include "core/render/lamp_directions.h"
 #include "core/render/light_choice.h"
@@ -148,6 +149,7 @@ struct PreparedScene {
     return medium.phase ? *medium.phase : *phase;
   }
   PathSettings path;
+  ContributionMap contributions;        ///< For Russian roulette; empty: by throughput.
   std::unique_ptr<const AovPlan> aovs;  ///< Null when none are asked for; films with its layout gather them.
   std::uint32_t loopBudget = 1u << 20;
   std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();

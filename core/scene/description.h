@@ -134,6 +134,9 @@ struct Medium {
 /// How volume primitives along a ray are found (accel::OverlapDesign).
 enum class OverlapChoice : std::uint8_t { automatic, split, partition };
 
+/// By what Russian roulette decides.
+enum class Roulette : std::uint8_t { automatic, throughput, contribution };
+
 /// A quantity to be shown beside the picture.
 struct AovRequest {
   std::string name;             ///< Of the layer.
@@ -157,6 +160,7 @@ struct Integrator {
   bool lampDirections = true;  ///< Directions out of media are also chosen towards lamps inside of media.
   bool footprints = true;      ///< Shaders are told how their inputs change from pixel to pixel.
   OverlapChoice overlap = OverlapChoice::automatic;
+  Roulette roulette = Roulette::automatic;
   float stepScale = 1;       ///< Factor on all ray marching steps, > 0.
   int boundBoxes = 1 << 16;  ///< Boxes over which bounds of all media together may be evaluated, at least 0.
   int boundMegabytes = 256;  ///< Memory for the bounds of all media together.

@@ -233,6 +233,13 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
              field<&Integrator::rrDepth>({.name = "rr_depth",
                                           .doc = "path length from which Russian roulette is played",
                                           .range = Range::atLeast(1)}),
+             field<&Integrator::roulette>(
+                 {.name = "roulette",
+                  .doc =
+                      "by what Russian roulette decides: the light that comes through the path (throughput), or what "
+                      "the path may still bring to its pixel, from its first vertex on, as a small render before "
+                      "the render tells (contribution); auto takes the latter for pictures of 1024 pixels or more "
+                      "in which media scatter"}),
              field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
              field<&Integrator::lowerPriorityWins>(
                  {.name = "lower_priority_wins",
@@ -251,7 +258,8 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                  {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
              field<&Integrator::splitLights>(
                  {.name = "split_lights",
-                  .doc = "of many lights up to eight are sampled at a point: clusters are split while one's spread is "
+                  .doc = "of many lights up to eight are sampled at a point, or along a ray through media: clusters "
+                         "are split while one's spread is "
                          "more than this part of all the light that arrives; 0 samples one light, 0.05 splits readily",
                   .range = Range::atLeast(0)}),
              field<&Integrator::jointLights>(
@@ -269,11 +277,11 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                          "equiangular"}),
              field<&Integrator::stepScale>(
                  {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
-             field<&Integrator::boundBoxes>({.name = "bound_boxes",
-                                             .doc =
-                                                 "boxes over which bounds of the media's shaders are evaluated before "
-                                                 "the render, all media together",
-                                             .range = Range::atLeast(0)}),
+             field<&Integrator::boundBoxes>(
+                 {.name = "bound_boxes",
+                  .doc = "boxes over which bounds of the media's shaders are evaluated before "
+                         "the render, all media together",
+                  .range = Range::atLeast(0)}),
              field<&Integrator::boundMegabytes>({.name = "bound_megabytes",
                                                  .unit = "MB",
                                                  .doc = "memory for these bounds, all media together",

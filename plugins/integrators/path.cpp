@@ -5,6 +5,7 @@
 // / P.
 
 #include "core/render/aov/first_seen.h"
+#include "core/render/contribution_map.h"
 #include "core/render/direct_light.h"
 #include "core/render/interior.h"
 #include "core/render/lights_along_ray.h"
@@ -82,7 +83,7 @@ LightsAlongRay lightsAlongRay(const PathContext& path, const PathState& state, d
   const bool mayScatter = hasOptionalEffects && state.length != scene.path.maxDepth;
   const LightChoice choice = mayScatter ? scene.lightChoice : LightChoice::none;
   const LightSet& lights = scene.lightsOf(commonLinks(path, state.boundaryMedium));
-  return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), choice};
+  return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), choice, state.splitThreshold};
 }
 
 /// Clusters of lights are split at the ray's end where they matter to the picture: less so, the less of the light there
@@ -128,6 +129,33 @@ Task<Color> lightAlongRay(PathContext& path, const PathState& state, const Light
   path.setRay(state.ray);
   path.setRayTypes(state.rayTypes);
   co_return found.weight* light;
+}
+
+/// The same for all choices but the first, where clusters of many lights are split: each finds its place on a way of
+/// its own. The volumes along the ray are those of its query.
+Task<Color> lightByFurtherChoices(PathContext& path, const PathState& state, const LightsAlongRay& lights,
+                                  std::array<float, 2> u, double begin, double end) {
+  struct Found {
+    LightsAlongRay::Choice choice;
+    volume::DistanceSample sample;
+  };
+  std::array<Found, LightCut::most> found;
+  std::size_t count = 0;
+  path.statistics().work.add(Work::lightSplitting);
+  for (std::size_t i = 1; i < lights.count(); ++i) {
+    const auto choice = lights.choose(u, i);
+    if (!choice) continue;
+    path.statistics().work.add(Work::chosenDistance);
+    volume::GivenDistance given{.t = choice->t};
+    findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media, state.direction.links);
+    co_await sampleDistance(path, state.ray, state.throughput, &given, DistanceNumbers::hashed, false);
+    found[count++] = {*choice, given.sample};
+  }
+  Color sum;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += co_await lightAlongRay(path, state, lights, found[i].choice, found[i].sample);
+  }
+  co_return sum;
 }
 
 /// Scatters in a medium. False when the path ends.
@@ -343,13 +371,25 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   co_return Step::scatters;
 }
 
-/// Russian roulette on the throughput. False when the path ends. Survival stays close to 1 where nothing is lost: in a
+/// Russian roulette. False when the path ends. By throughput survival stays close to 1 where nothing is lost: in a
 /// cloud of albedo 1 each chance to end would raise the weight of the survivors, bounce after bounce.
-bool survivesRoulette(PathContext& path, PathState& state) {
+bool survivesRoulette(PathContext& path, PathState& state, const Radiance& radiance) {
   if (isBlack(state.throughput)) return false;
-  if (state.length <= path.scene().path.rrDepth) return true;
+  const PreparedScene& scene = path.scene();
+  if (path.pilot) {
+    path.pilot->vertices.push_back({state.ray.origin, average(abs(state.throughput)), average(radiance.color)});
+  }
+  const bool isLong = state.length > scene.path.rrDepth;
+  float survival = 1;
+  if (hasOptionalEffects && !scene.contributions.isEmpty()) {
+    path.statistics().work.add(Work::contribution);
+    survival = scene.contributions.survival(state.ray.origin, state.throughput, path.id().x, path.id().y);
+    if (isLong) survival = std::min(survival, 0.999f);
+  } else if (isLong) {
+    survival = std::min(maximum(abs(state.throughput)), 0.999f);
+  }
+  if (survival >= 1) return true;
   path.statistics().work.add(Work::roulette);
-  const float survival = std::min(maximum(abs(state.throughput)), 0.999f);
   if (!(path.random().nextHash() < survival)) return false;
   state.throughput = state.throughput / survival;
   if (path.record) path.record->weaken(Color(1 / survival));
@@ -379,7 +419,9 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     state.splitThreshold = splitThreshold(scene, state.throughput);
     const LightsAlongRay lights = lightsAlongRay(path, state, begin, end);
     beginRay(path, state.length);
-    auto lit = lights.chooses() ? lights.choose(path.random().next2D()) : std::nullopt;
+    std::array<float, 2> u{};
+    if (lights.chooses()) u = path.random().next2D();
+    auto lit = lights.chooses() ? lights.choose(u) : std::nullopt;
     volume::GivenDistance given{.t = lit ? lit->t : 0};
     if (lights.isTabulated()) beginTable(path, lights, given);
     // Behind a boundary, or a face that was touched, the ray's own numbers are used up.
@@ -399,6 +441,9 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
         path.record->addInFront(state.throughput * event.emission * weight);
       }
     }
+    if (lights.count() > 1) {
+      radiance.color += state.throughput * co_await lightByFurtherChoices(path, state, lights, u, begin, end);
+    }
     if (lit) radiance.color += state.throughput * co_await lightAlongRay(path, state, lights, *lit, given.sample);
     state.throughput *= event.weight;
     if (path.record) path.record->weaken(event.weight);
@@ -411,7 +456,8 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       }
       radiance.alpha = 1;
       passed.reset();
-      goesOn = co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state);
+      goesOn =
+          co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state, radiance);
     } else if (!hit) {
       const bool isHidden = scene.path.hideEmitters && state.length == 1;
       if (!isHidden) {
@@ -425,7 +471,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     } else {
       passed.reset();
       const Step step = co_await meetSurface(path, state, radiance, *hit, passed);
-      goesOn = step == Step::passes || (step == Step::scatters && survivesRoulette(path, state));
+      goesOn = step == Step::passes || (step == Step::scatters && survivesRoulette(path, state, radiance));
     }
     path.statistics().pathVertices += goesOn;
     if (goesOn && state.length > 2) path.statistics().work.add(Work::laterScattering);

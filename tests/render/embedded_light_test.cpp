@@ -261,6 +261,41 @@ TEST(LightsInFogMany, BothWaysShowTheSame) {
   EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(8192), 0.01));
 }
 
+/// Forty lamps in fog and on a floor: one sample, or one of each of several clusters, at every vertex and along rays.
+TEST(LightSplitting, ShowsTheSame) {
+  for (const bool isConstant : {true, false}) {
+    std::string content = R"(<emitter type="constant"><rgb name="radiance" value="0.05"/></emitter>
+        <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/><scale value="2"/>
+        <translate y="-0.8"/></transform><bsdf type="diffuse"/></shape>)";
+    for (int i = 0; i < 40; ++i) {
+      const double size = i % 4 == 0 ? 0.03 : 0;
+      const std::string place = fmt::format(R"(x="{}" y="{}" z="{}")", 0.8 * std::sin(5.0 * i),
+                                            0.7 * std::cos(3.0 * i) + 0.05, 0.6 * std::sin(2.0 * i + 1));
+      content += size > 0
+                     ? fmt::format(R"(<shape type="sphere"><point name="center" {}/><float name="radius" value="{}"/>
+          <bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="4"/></emitter></shape>)",
+                                   place, size)
+                     : fmt::format(R"(<emitter type="point"><point name="position" {}/>
+          <rgb name="intensity" value="{}"/></emitter>)",
+                                   place, 0.01 * (1 + i % 3));
+    }
+    content += fmt::format(R"(<volume type="sphere">{}</volume>)",
+                           isConstant ? R"(<medium type="homogeneous"><rgb name="sigma_t" value="0.8"/></medium>)"
+                                      : R"(<medium type="ramp"><string name="distance" value="null"/>
+            <float name="at_zero" value="0.8"/><float name="slope" value="0.4"/><float name="most" value="1.5"/>
+            <rgb name="albedo" value="0.8"/></medium>)");
+    const TestSensor view{.target = "0, -0.2, 0", .fov = 16, .width = 8, .height = 8};
+    TestSensor other = view;
+    other.seed = 1;
+    const std::string depth = R"(<integer name="max_depth" value="3"/>)";
+    const TestScene with = loadScene(depth + R"(<float name="split_lights" value="0.05"/>)", view, content);
+    const TestScene without = loadScene(depth + R"(<float name="split_lights" value="0"/>)", other, content);
+    ASSERT_TRUE(with.scene()->splitsLights);
+    ASSERT_FALSE(without.scene()->splitsLights);
+    EXPECT_TRUE(showTheSame(*with.render(512), *without.render(1024), 0.02)) << isConstant;
+  }
+}
+
 constexpr const char* noLampDirections = R"(<boolean name="lamp_directions" value="false"/>)";
 
 /// Lamps of all kinds in a medium that scatters many times, forwards or not: directions towards them change no mean.

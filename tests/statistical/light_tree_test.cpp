@@ -292,6 +292,7 @@ TEST_F(ManyPoints, TheChoiceAlongARayHasItsDensity) {
   stretches.add(2, 5);
   stretches.add(6, 8);
   const LightsAlongRay lights(set_, ray, stretches, LightChoice::equiangular);
+  const LightsAlongRay split(set_, ray, stretches, LightChoice::equiangular, 0.05f);
   const auto falloff = [&](LightId id, double t) {
     const LightPlace place = *set_.placeOf(id);
     const Vector<World> d = place.centre - ray.at(static_cast<float>(t));
@@ -305,15 +306,25 @@ TEST_F(ManyPoints, TheChoiceAlongARayHasItsDensity) {
     truth += test::integrate(f, 2, 5, 400) + test::integrate(f, 6, 8, 400);
   }
   Uniforms random(seedOfTest(1));
-  RunningMean sum;
+  RunningMean sum, splitSum;
   for (int i = 0; i < 400000; ++i) {
-    const auto choice = lights.choose(random.next2D());
-    if (choice) {
-      ASSERT_NEAR(lights.density(choice->light, choice->t) / choice->density, 1, 1e-3);
-    }
-    sum.add(choice ? falloff(choice->light, choice->t) / choice->density : 0);
+    const std::array<float, 2> u = random.next2D();
+    const auto valueOf = [&](const LightsAlongRay& from, std::size_t index) {
+      const auto choice = from.choose(u, index);
+      if (!choice) return 0.0;
+      EXPECT_NEAR(from.density(choice->light, choice->t) / choice->density, 1, 1e-3);
+      return falloff(choice->light, choice->t) / choice->density;
+    };
+    sum.add(valueOf(lights, 0));
+    double all = 0;
+    for (std::size_t k = 0; k < split.count(); ++k) all += valueOf(split, k);
+    splitSum.add(all);
   }
+  EXPECT_EQ(lights.count(), 1u);
+  EXPECT_GT(split.count(), 2u);
   EXPECT_TRUE(agrees(sum, truth, 0.01));
+  EXPECT_TRUE(agrees(splitSum, truth, 0.01));
+  EXPECT_LT(splitSum.variance(), 0.7 * sum.variance());
 }
 
 /// A mesh that shines, triangle by triangle.

@@ -178,12 +178,13 @@ Rendered render(const std::string& integrator, const std::string& content, const
   Rendered result{.seconds = report.seconds};
   const render::PixelRect area = film->area();
   double squares = 0;
+  const auto pixels = static_cast<double>(area.pixelCount());
   for (int y = area.y0; y < area.y1; ++y) {
     for (int x = area.x0; x < area.x1; ++x) {
       const render::PixelEstimate p = film->estimate(x, y);
-      result.mean += static_cast<double>(p.color.g) / area.pixelCount();
-      result.variance += std::pow(static_cast<double>(p.standardError.g), 2) * samples / area.pixelCount();
-      squares += std::pow(static_cast<double>(p.color.g), 2) / area.pixelCount();
+      result.mean += static_cast<double>(p.color.g) / pixels;
+      result.variance += std::pow(static_cast<double>(p.standardError.g), 2) * samples / pixels;
+      squares += std::pow(static_cast<double>(p.color.g), 2) / pixels;
     }
   }
   result.variance /= squares;
