@@ -56,6 +56,7 @@ struct RenderArguments {
   std::optional<scene::DistanceSampling> distance;
   std::optional<scene::TransmittanceSampling> transmittance;
   bool noEquiangular = false;
+  bool jointLights = false;
   std::string plan;  ///< A file that says how media are sampled; empty: none.
   std::optional<float> stepScale;
   std::optional<SampleRange> samples;  ///< A part of the samples; the image is joined later.

@@ -78,6 +78,8 @@ void addMethodOptions(CLI::App& app, RenderArguments& render) {
             "delta, under one bound for a\nwhole medium, is there to compare with");
   addChoice(app, "--transmittance", render.transmittance, "Estimate the transmittance of all media to lights so");
   app.add_flag("--no-equiangular", render.noEquiangular, "Choose no distances in media for the lights beside the rays");
+  app.add_flag("--joint-lights", render.jointLights,
+               "Choose them by lights and media together, tabulated along marched\nrays");
   app.add_option("--plan", render.plan,
                  "Sample all media as FILE says: an EXR image of the same scene,\nor the lines in its "
                  "aerosol:sampling, as text")

@@ -116,9 +116,14 @@ std::vector<image::Metadata> describeRender(const RenderRecord& record, const Sa
   entries.add("integrator", description.integrator.type);
   entries.add("maxDepth", description.integrator.maxDepth);
   entries.add("rrDepth", description.integrator.rrDepth);
+  entries.add("roulette", wordOf(description.integrator.roulette));
   entries.add("distance", wordOf(description.integrator.distance));
   entries.add("transmittance", wordOf(description.integrator.transmittance));
   entries.add("equiangular", description.integrator.equiangular ? 1 : 0);
+  entries.add("splitLights", static_cast<double>(description.integrator.splitLights));
+  entries.add("jointLights", description.integrator.jointLights ? 1 : 0);
+  entries.add("volumeLights", description.integrator.volumeLights ? 1 : 0);
+  entries.add("lampDirections", description.integrator.lampDirections ? 1 : 0);
   if (!record.scene.samplingPlan.empty()) entries.add("sampling", render::toText(record.scene.samplingPlan));
   entries.add("stepScale", static_cast<double>(description.integrator.stepScale));
   entries.add("renderSeconds", record.secondsBefore + record.report.seconds);

@@ -33,6 +33,7 @@ void applyArguments(const RenderArguments& arguments, scene::SceneDescription& d
     for (scene::Volume& volume : description.volumes) volume.sampling.transmittance.reset();
   }
   if (arguments.noEquiangular) description.integrator.equiangular = false;
+  if (arguments.jointLights) description.integrator.jointLights = true;
   if (!arguments.distance) return;
   description.integrator.distance = *arguments.distance;
   for (scene::Medium& medium : description.media) medium.sampling.distance.reset();

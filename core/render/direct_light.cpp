@@ -82,18 +82,63 @@ volume::Task<Color> lightTextureAt(PathContext& path, std::uint32_t light, Light
 
 }  // namespace
 
-volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time) {
+LampDirections MediumVertex::lampsAround(const PreparedScene& scene, const volume::Medium& medium) const {
+  const float extinction = medium.constant ? average(medium.constant->sigmaT)
+                           : medium.bound  ? 0.5f * medium.bound->value
+                                           : 1 / medium.stepSize;
+  return {scene.lampsInMedia, scene.lightsOf(links_), position_, extinction, phase_.meanCosine(parameters_)};
+}
+
+volume::PhaseSample MediumVertex::sampleMixture(std::array<float, 2> u) const {
+  const float share = lamps_.share();
+  volume::PhaseSample sample;
+  if (u[0] < share) {
+    sample.direction = lamps_.sample({u[0] / share, u[1]});
+  } else {
+    sample = phase_.sample(parameters_, before_, {std::min((u[0] - share) / (1 - share), 0x1.fffffep-1f), u[1]});
+    if (sample.isDelta) {
+      sample.weight /= 1 - share;
+      return sample;
+    }
+  }
+  sample.pdf = pdf(sample.direction);
+  sample.weight = phase_.evaluate(parameters_, before_, sample.direction) / sample.pdf;
+  return sample;
+}
+
+DirectLight::DirectLight(PathContext& path, const ScatteringVertex& vertex, float time, float splitThreshold)
+    : vertex_(vertex), lights_(path.scene().lightsOf(vertex.links())), uniforms_{.time = time} {
+  const PhaseScope phase(path.statistics().accel.phase, Phase::lights);
+  uniforms_.place = path.random().next2D();
+  picks_ = lights_.pick(vertex.position(), path.random().next1D(), splitThreshold);
+  if (picks_.count > 1) path.statistics().work.add(Work::lightSplitting);
+}
+
+// What serves several clusters is turned by the golden ratio of two dimensions (Roberts 2018).
+LightUniforms DirectLight::uniforms() const {
+  constexpr std::array turns{0.7548777f, 0.5698403f};
+  LightUniforms uniforms = uniforms_;
+  for (std::size_t i = 0; next_ > 1 && i < turns.size(); ++i) {
+    const float turned = uniforms.place[i] + turns[i] * static_cast<float>(next_ - 1);
+    uniforms.place[i] = std::min(turned - std::floor(turned), 0x1.fffffep-1f);
+  }
+  return uniforms;
+}
+
+volume::Task<Color> estimateDirectLight(PathContext& path, const DirectLight& lit) {
   std::optional<PhaseScope> phase(std::in_place, path.statistics().accel.phase, Phase::lights);
-  const LightSet& lights = path.scene().lightsOf(vertex.links());
-  LightUniforms uniforms{.time = time};
-  uniforms.place = path.random().next2D();
-  uniforms.choice = path.random().next1D();
-  const auto choice = lights.choose(vertex.position(), uniforms.choice);
+  const ScatteringVertex& vertex = lit.vertex();
+  const LightSet& lights = lit.lights();
+  const auto choice = lit.choice();
   if (!choice) co_return Color();
+  LightUniforms uniforms = lit.uniforms();
+  const float time = uniforms.time;
   ++path.statistics().lightSamples[choice->index];
   if (choice->part != LightId::whole) path.statistics().work.add(Work::lightTree);
   if (path.scene().hasMovingLights && lights[choice->index].moves()) path.statistics().work.add(Work::movingLight);
   if (vertex.links()) path.statistics().work.add(Work::linkedLight);
+  const Rivalry rivalry = vertex.rivalry(choice->id());
+  if (rivalry.isEnough) co_return Color();
   // The number that chose the light is used up; which part of it comes from a number of its own.
   uniforms.choice = path.random().nextHash();
   if (lights.hasVolumes() && lights[choice->index].isVolume()) {
@@ -111,7 +156,7 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
     if (isBlack(scattered)) co_return Color();
   }
   const float pdf = light->pdf * choice->probability;
-  const auto byPlace = static_cast<float>(vertex.rivalry(choice->id()) * static_cast<double>(light->pdf));
+  const auto byPlace = static_cast<float>(rivalry.ratio * static_cast<double>(light->pdf));
   const Ray<World> ray = shadowRay(vertex, *light, time);
   if (liesBehindFace(path, ray, *light)) co_return Color();
   const Color transmittance = co_await estimateTransmittance(path, ray, vertex.mediumTowards(light->direction),
@@ -125,11 +170,13 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVerte
 
 // Three techniques give a pair of place and light direction: this one with density p(light, t) p(ω), the tracker with
 // sampling of a light from its place, p(t) P(light) p(ω), or with the phase function's sampling, p(t) p(direction). The
-// balance heuristic leaves one over the sum of all.
+// balance heuristic leaves one over the sum of all. Where the first one is enough by itself the second is left out: its
+// density is 0, for all three.
 volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& vertex,
-                                        const LightsAlongRay::Choice& choice, float time) {
+                                        const LightsAlongRay::Choice& choice, float time, float splitThreshold) {
   const LightSet& lights = path.scene().lightsOf(vertex.links());
   if (!lights.contains(choice.light.light)) co_return Color();
+  ++path.statistics().lightSamples[choice.light.light];
   LightUniforms uniforms{.time = time};
   uniforms.place = path.random().next2D();
   uniforms.choice = path.random().nextHash();
@@ -150,8 +197,11 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   if (path.record) path.record->noteLight(choice.light.light, light->direction, path.wentStraight);
   const double byDirection =
       light->isDelta || path.wentStraight ? 0 : static_cast<double>(vertex.pdf(light->direction));
-  const double byTracker =
-      directionPdf * static_cast<double>(lights.probability(choice.light, vertex.position())) + byDirection;
+  const double fromPlace =
+      vertex.rivalry(choice.light).isEnough
+          ? 0
+          : static_cast<double>(lights.probability(choice.light, vertex.position(), splitThreshold));
+  const double byTracker = directionPdf * fromPlace + byDirection;
   const double density = choice.density * directionPdf + vertex.place().choicePdf * byTracker;
   const auto correction = static_cast<double>(vertex.correction(choice.light, light->distance));
   co_return scattered* transmittance* static_cast<float>(correction / density);
@@ -194,9 +244,11 @@ Color metLight(const PreparedScene& scene, std::uint32_t light, const accel::Sur
   if (isBlack(radiance)) return Color();
   if (record.isDelta) return radiance;
   const LightId id = lights.idOf(light, at);
-  const double byPoint = static_cast<double>(lights.probability(id, record.from));
-  const double byPlace = record.place ? record.place->rivalry(id) : 0;
-  const auto others = static_cast<float>((byPoint + byPlace) * static_cast<double>(lights.pdf(id, record.from, at)));
+  const Rivalry rivalry = record.place ? record.place->rivalry(id) : Rivalry();
+  const double byPoint =
+      rivalry.isEnough ? 0 : static_cast<double>(lights.probability(id, record.from, record.splitThreshold));
+  const auto others =
+      static_cast<float>((byPoint + rivalry.ratio) * static_cast<double>(lights.pdf(id, record.from, at)));
   return radiance * balance(record.pdf, others);
 }
 

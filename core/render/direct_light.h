@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/render/closure_mix.h"
+#include "core/render/lamp_directions.h"
 #include "core/render/lights_along_ray.h"
 #include "core/render/path_context.h"
 #include "core/render/prepared_scene.h"
@@ -15,6 +16,12 @@ namespace aerosol::render {
 
 /// Balance heuristic (Veach 1995) for one sample of each of two techniques.
 inline float balance(float pdf, float otherPdf) { return pdf > 0 ? pdf / (pdf + otherPdf) : 0; }
+
+/// Another way to the same vertex and light.
+struct Rivalry {
+  double ratio = 0;       ///< Of its density to that of the way taken.
+  bool isEnough = false;  ///< It serves alone: a light is not sampled besides.
+};
 
 /// Where a path scatters: in a medium, or on a surface.
 class ScatteringVertex {
@@ -35,7 +42,7 @@ class ScatteringVertex {
   virtual float pdf(Vector<World> direction) const = 0;
 
   /// How often the vertex is found by a choice that begins with this light, for each time that it is found as it was.
-  virtual double rivalry(LightId) const { return 0; }
+  virtual Rivalry rivalry(LightId) const { return {}; }
   /// Which lights light it; null: all.
   virtual const LinkedLights* links() const { return nullptr; }
   /// Factor on the light's irradiance; see LightsAlongRay::correction.
@@ -46,9 +53,14 @@ class ScatteringVertex {
 struct PlaceOnRay {
   LightsAlongRay lights;  ///< Beside the ray.
   double t = 0;
-  double choicePdf = 0;  ///< Of the distance tracker (volume::DistanceSample).
+  double choicePdf = 0;   ///< Of the distance tracker (volume::DistanceSample).
+  double lightScale = 0;  ///< Where lights are tabulated: of the place, over the mass of all (volume::TabulatedLight).
 
-  double rivalry(LightId light) const { return choicePdf > 0 ? lights.density(light, t) / choicePdf : 0; }
+  Rivalry rivalry(LightId light) const {
+    const LightsAlongRay::Claim claim =
+        lights.isTabulated() ? lights.tabulatedClaim(light, t, lightScale) : lights.claim(light, t);
+    return {choicePdf > 0 ? claim.density / choicePdf : 0, claim.isEnough};
+  }
 };
 
 class MediumVertex final : public ScatteringVertex {
@@ -64,7 +76,9 @@ class MediumVertex final : public ScatteringVertex {
         place_(place),
         parameters_{anisotropy},
         boundaryMedium_(boundaryMedium),
-        media_(media) {}
+        media_(media) {
+    if (hasOptionalEffects && !scene.lampsInMedia.empty()) lamps_ = lampsAround(scene, medium);
+  }
 
   Point<World> position() const override { return position_; }
   Point<World> originTowards(Vector<World>) const override { return position_; }
@@ -73,16 +87,27 @@ class MediumVertex final : public ScatteringVertex {
   Color evaluate(Vector<World> direction) const override {
     return Color(phase_.evaluate(parameters_, before_, direction));
   }
-  float pdf(Vector<World> direction) const override { return phase_.pdf(parameters_, before_, direction); }
-  double rivalry(LightId light) const override { return place_.rivalry(light); }
+  float pdf(Vector<World> direction) const override {
+    const float byPhase = phase_.pdf(parameters_, before_, direction);
+    if (lamps_.isEmpty()) return byPhase;
+    return (1 - lamps_.share()) * byPhase + lamps_.share() * lamps_.pdf(direction);
+  }
+  Rivalry rivalry(LightId light) const override { return place_.rivalry(light); }
   float correction(LightId light, float distance) const override {
     return place_.lights.correction(light, place_.t, distance);
   }
   const LinkedLights* links() const override { return links_; }
   const PlaceOnRay& place() const { return place_; }
-  volume::PhaseSample sample(std::array<float, 2> u) const { return phase_.sample(parameters_, before_, u); }
+  /// Whether some directions are chosen towards lamps.
+  bool followsLamps() const { return !lamps_.isEmpty(); }
+  volume::PhaseSample sample(std::array<float, 2> u) const {
+    return lamps_.isEmpty() ? phase_.sample(parameters_, before_, u) : sampleMixture(u);
+  }
 
  private:
+  LampDirections lampsAround(const PreparedScene& scene, const volume::Medium& medium) const;
+  volume::PhaseSample sampleMixture(std::array<float, 2> u) const;
+
   const volume::PhaseFunction& phase_;
   const LinkedLights* links_;
   Point<World> position_;
@@ -91,6 +116,7 @@ class MediumVertex final : public ScatteringVertex {
   std::array<float, 1> parameters_;
   const volume::Medium* boundaryMedium_;
   const volume::MediumStack& media_;
+  LampDirections lamps_;
 };
 
 class SurfaceVertex final : public ScatteringVertex {
@@ -128,14 +154,38 @@ class SurfaceVertex final : public ScatteringVertex {
   const LinkedLights* links_;
 };
 
-/// One sample of one light: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the
-/// vertex and against vertices that were chosen for the light. Two slots of the path's stream.
-volume::Task<Color> estimateDirectLight(PathContext& path, const ScatteringVertex& vertex, float time);
+/// The light sampling of one vertex: of one light, or of several where clusters of many are split. Two slots of the
+/// path's stream. Path and vertex outlive it.
+class DirectLight {
+ public:
+  DirectLight(PathContext& path, const ScatteringVertex& vertex, float time, float splitThreshold);
+
+  /// Goes on to the next sample, first of all to the first one; false behind the last.
+  bool next() { return next_++ < picks_.count; }
+
+  // The sample at hand:
+  const ScatteringVertex& vertex() const { return vertex_; }
+  const LightSet& lights() const { return lights_; }
+  std::optional<LightSet::Choice> choice() const { return lights_.choose(picks_, next_ - 1, vertex_.position()); }
+  /// What `choice` leaves to draw with.
+  LightUniforms uniforms() const;
+
+ private:
+  const ScatteringVertex& vertex_;
+  const LightSet& lights_;
+  LightSet::Picks picks_;
+  LightUniforms uniforms_;
+  std::size_t next_ = 0;
+};
+
+/// The sample at hand: radiance · evaluate · transmittance / pdf, weighted against the direction sampling of the vertex
+/// and against vertices that were chosen for the light.
+volume::Task<Color> estimateDirectLight(PathContext& path, const DirectLight& lit);
 
 /// The same for a vertex that was chosen for a light, which must be one that lights it: divided by the joint density of
 /// light and place. One slot.
 volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& vertex,
-                                        const LightsAlongRay::Choice& choice, float time);
+                                        const LightsAlongRay::Choice& choice, float time, float splitThreshold);
 
 /// What the path found by its own direction sampling needs to weight light that it meets.
 struct DirectionRecord {
@@ -144,6 +194,7 @@ struct DirectionRecord {
   bool isDelta = true;  ///< No light sample could have found the direction (or there was none): full weight.
   std::optional<PlaceOnRay> place;      ///< Of a vertex in a medium.
   const LinkedLights* links = nullptr;  ///< Which lights count; null: all.
+  float splitThreshold = neverSplit;    ///< Of the light sampling there.
   bool isReplaced = false;  ///< Shadow rays have gone straight where this direction was bent: no light counts.
 };
 

@@ -16,7 +16,10 @@ enum class Work : std::uint8_t {
   lightTexture,      ///< Light that a texture was asked for.
   movingLight,       ///< Light that was sampled of lights that move.
   lightTree,         ///< Lights found through the hierarchy.
+  lightSplitting,    ///< Vertices where several clusters of lights were sampled.
   chosenDistance,    ///< Distances chosen for a light beside the ray.
+  tabulatedLight,    ///< Rays along which lights were tabulated.
+  lampDirection,     ///< Vertices that send some paths towards lamps in media.
   linkedLight,       ///< Light estimates where not all lights count.
   straightCrossing,  ///< Surfaces that a shadow ray asked whether they let it pass.
   mediumBoundary,    ///< Crossings of surfaces that only bound media.
@@ -34,6 +37,7 @@ enum class Work : std::uint8_t {
   laterScattering,   ///< Scattering events after a path's first.
   roulette,          ///< Games of Russian roulette.
   coarseVoxels,      ///< Rays that saw volumes with coarser voxels than others do.
+  contribution,      ///< Looks at what a path may still bring.
   look,              ///< Points whose coefficients a volume's controls changed.
   footprint,         ///< Points of which shaders were told how they change from pixel to pixel.
   layers,            ///< Samples of which more than the picture was gathered.

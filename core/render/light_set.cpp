@@ -1,6 +1,7 @@
 #include "core/render/light_set.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace aerosol::render {
@@ -8,6 +9,7 @@ namespace aerosol::render {
 namespace {
 
 constexpr double equalShare = 0.1;
+constexpr float belowOne = 0x1.fffffep-1f;
 
 }  // namespace
 
@@ -81,32 +83,49 @@ double LightSet::probabilityOf(std::size_t candidate, Point<World> from) const {
   return total > 0 ? (1 - equalShare) * importance(candidate, from) / total + equalShare * equal : equal;
 }
 
-std::optional<LightSet::Choice> LightSet::choose(Point<World> from, float u) const {
+LightSet::Picks LightSet::pick(Point<World> from, float u, float splitThreshold) const {
+  Picks picks;
   const std::size_t count = candidateCount();
-  if (count == 0) return {};
+  if (count == 0) return picks;
   double total = 0;
   for (std::size_t i = 0; count > 1 && i < count; ++i) total += importance(i, from);
   const double equal = 1 / static_cast<double>(count);
   auto rest = static_cast<double>(u);
-  double probability = 1;
   std::size_t chosen = 0;
   for (; count > 1; ++chosen) {
-    probability = total > 0 ? (1 - equalShare) * importance(chosen, from) / total + equalShare * equal : equal;
+    picks.probability = total > 0 ? (1 - equalShare) * importance(chosen, from) / total + equalShare * equal : equal;
     // Rounding may leave something behind the last light: it stays chosen.
-    if (rest < probability || chosen + 1 == count) break;
-    rest -= probability;
+    if (rest < picks.probability || chosen + 1 == count) break;
+    rest -= picks.probability;
   }
-  if (!hasTree() || chosen < single_.size()) return Choice{single_[chosen], static_cast<float>(probability)};
-  const auto left = std::min(static_cast<float>(rest / probability), 0x1.fffffep-1f);
-  const auto entry = tree_.choose(PointQuery{from}, left);
-  if (!entry) return {};
-  const LightId id = entries_[entry->entry];
-  return Choice{id.light, static_cast<float>(probability) * entry->probability, id.part};
+  picks.rest = std::min(static_cast<float>(rest / picks.probability), belowOne);
+  picks.isTree = hasTree() && chosen >= single_.size();
+  if (picks.isTree) {
+    picks.cut = tree_.cut(PointQuery{from}, splitThreshold);
+    picks.count = picks.cut.count;
+  } else {
+    picks.single = single_[chosen];
+    picks.count = 1;
+  }
+  return picks;
 }
 
-float LightSet::probability(LightId id, Point<World> from) const {
+std::optional<LightSet::Choice> LightSet::choose(const Picks& picks, std::size_t index, Point<World> from) const {
+  if (!picks.isTree) return Choice{picks.single, static_cast<float>(picks.probability)};
+  // One number serves all clusters, turned by the golden ratio: each of them is sampled evenly.
+  const float turned = picks.rest + 0.618034f * static_cast<float>(index);
+  const auto entry =
+      tree_.chooseBelow(PointQuery{from}, picks.cut.nodes[index], std::min(turned - std::floor(turned), belowOne));
+  if (!entry) return {};
+  const LightId id = entries_[entry->entry];
+  return Choice{id.light, static_cast<float>(picks.probability) * entry->probability, id.part};
+}
+
+float LightSet::probability(LightId id, Point<World> from, float splitThreshold) const {
   if (hasTree() && id.part != LightId::whole) {
-    return static_cast<float>(probabilityOf(single_.size(), from)) * tree_.probability(PointQuery{from}, entryOf(id));
+    const PointQuery query{from};
+    return static_cast<float>(probabilityOf(single_.size(), from)) *
+           tree_.probability(query, entryOf(id), tree_.cut(query, splitThreshold));
   }
   const auto found = std::find(single_.begin(), single_.end(), id.light);
   if (found == single_.end()) return 0;

@@ -67,10 +67,29 @@ class LightSet {
   LightId idOf(std::uint32_t light, const LightHit& hit) const;
   std::uint32_t entryOf(LightId id) const { return firstEntries_[id.light] + id.part; }
 
-  /// `u` in [0, 1); none when no light emits, or where none of the many can be seen.
-  std::optional<Choice> choose(Point<World> from, float u) const;
-  /// With which `choose` takes the light.
-  float probability(LightId id, Point<World> from) const;
+  /// The lights that are sampled at one point, or clusters of them: one of each.
+  struct Picks {
+    std::size_t count = 0;
+
+   private:
+    friend class LightSet;
+    std::uint32_t single = 0;  ///< The light; of the hierarchy, clusters.
+    bool isTree = false;
+    LightCut cut;
+    double probability = 1;
+    float rest = 0;  ///< What is left of the number that chose: in [0, 1).
+  };
+  /// `u` in [0, 1); none when no light emits. Clusters are split as LightTree says. Few lights are not.
+  Picks pick(Point<World> from, float u, float splitThreshold) const;
+  /// None where none of the cluster can be seen.
+  std::optional<Choice> choose(const Picks& picks, std::size_t index, Point<World> from) const;
+  /// A single one.
+  std::optional<Choice> choose(Point<World> from, float u) const {
+    const Picks picks = pick(from, u, neverSplit);
+    return picks.count > 0 ? choose(picks, 0, from) : std::nullopt;
+  }
+  /// With which `choose` takes the light; of some cluster, where these are split.
+  float probability(LightId id, Point<World> from, float splitThreshold = neverSplit) const;
   float probability(std::uint32_t index, Point<World> from) const { return probability(LightId{index}, from); }
 
   /// A sample of a light, however it was chosen, and its density.

@@ -136,6 +136,35 @@ float RayQuery::operator()(const LightBounds& bounds) const {
   return static_cast<float>(std::min(static_cast<double>(bounds.intensity * cosine) * integral, 1e30));
 }
 
+namespace {
+
+/// The least and the largest distance of a cluster's lights, by its bounding ball. From within it some are next to the
+/// point: no nearer than a part of the others.
+std::array<float, 2> distances(float toCentre, float radius) {
+  constexpr float nearest = 0.1f;
+  const float far = toCentre + radius;
+  return {std::max(toCentre - radius, nearest * far), far};
+}
+
+}  // namespace
+
+// Of 1 / d² for d even over [a, b]: E = 1 / (a b), E[x²] = (b³ − a³) / (3 (b − a) a³ b³), so V / E² = (b − a)² / (3 a
+// b).
+float PointQuery::spread(const LightBounds& bounds) const {
+  const auto [a, b] = distances(length(point - bounds.centre()), bounds.halfDiagonal());
+  return b > a && a > 0 ? (b - a) / std::sqrt(3 * a * b) : 0.0f;
+}
+
+// Of 1 / D, likewise: E = ln(b / a) / (b − a), E[x²] = 1 / (a b).
+float RayQuery::spread(const LightBounds& bounds) const {
+  const Vector<World> way = bounds.centre() - ray.origin;
+  const Vector<World> beside = way - ray.direction * (dot(way, ray.direction) / dot(ray.direction, ray.direction));
+  const auto [a, b] = distances(length(beside), bounds.halfDiagonal());
+  if (!(b > a && a > 0)) return 0;
+  const float ratio = (b - a) / (std::sqrt(a * b) * std::log(b / a));
+  return std::sqrt(std::max(0.0f, ratio * ratio - 1));
+}
+
 LightTree::LightTree(std::span<const LightBounds> entries) {
   if (entries.empty()) return;
   order_.resize(entries.size());
@@ -153,6 +182,14 @@ void LightTree::build(std::span<const LightBounds> entries, std::uint32_t node, 
   LightBounds all;
   for (std::uint32_t i = begin; i < end; ++i) all = join(all, entries[order_[i]]);
   nodes_[node].bounds = all;
+  double sum = 0, squares = 0, count = 0;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const auto intensity = static_cast<double>(entries[order_[i]].intensity);
+    sum += intensity;
+    squares += intensity * intensity;
+    count += intensity > 0;
+  }
+  nodes_[node].differences = sum > 0 ? static_cast<float>(std::max(0.0, count * squares / (sum * sum) - 1)) : 0.0f;
   const std::size_t largest = entries.size() > manyEntries ? largestLeaf : 1;
   if (end - begin <= largest) {
     nodes_[node].first = begin;
@@ -216,6 +253,15 @@ std::uint32_t LightTree::split(std::span<const LightBounds> entries, std::uint32
   const auto middle = std::partition(first, last, [&](std::uint32_t entry) { return binOf(entry) < best; });
   if (middle == first || middle == last) return halve();
   return static_cast<std::uint32_t>(middle - order_.begin());
+}
+
+std::size_t LightTree::clusterOf(std::uint32_t entry, const LightCut& cut) const {
+  const auto end = cut.nodes.begin() + static_cast<std::ptrdiff_t>(cut.count);
+  for (std::uint32_t index = leafOf_[entry];; index = nodes_[index].parent) {
+    const auto found = std::find(cut.nodes.begin(), end, index);
+    if (found != end) return static_cast<std::size_t>(found - cut.nodes.begin());
+    if (index == 0) return cut.count;
+  }
 }
 
 std::size_t LightTree::bytes() const {

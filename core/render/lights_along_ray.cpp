@@ -18,6 +18,9 @@ constexpr double rounding = 0.5 * static_cast<double>(std::numeric_limits<float>
 /// taken. Between the two at random, so that images have no seam.
 constexpr double uselessVariation = 2, fullVariation = 8;
 
+/// Optical depth of a tabulated cell up to which the table is as good as the extinction itself.
+constexpr double fineDepth = 2;
+
 }  // namespace
 
 LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, const volume::RayStretches& stretches) {
@@ -54,8 +57,15 @@ LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, co
 
 LightsAlongRay::Candidate LightsAlongRay::candidate(const LightPlace& light) const {
   const LightFromRay seen = LightFromRay::of(light, ray_, stretches_);
-  Candidate result{.sampler = {stretches_, seen.projection, seen.keptDistance}, .isMet = seen.isMet};
-  result.share = static_cast<double>(light.intensity) * result.sampler.integral();
+  Candidate result;
+  result.isMet = seen.isMet;
+  result.isAttenuated = stretches_.isKnown() && lights_->tree().isEmpty();
+  if (result.isAttenuated) {
+    result.attenuated = {stretches_, seen.projection, seen.keptDistance};
+  } else {
+    result.even = {stretches_, seen.projection, seen.keptDistance};
+  }
+  result.share = static_cast<double>(light.intensity) * result.integral();
   double near = std::numeric_limits<double>::infinity(), far = 0;
   for (const volume::RayStretch& s : stretches_.all()) {
     const double a = s.a - seen.projection, b = s.b - seen.projection;
@@ -77,11 +87,18 @@ double LightsAlongRay::totalShare() const {
   return total;
 }
 
-std::optional<LightsAlongRay::Choice> LightsAlongRay::choose(std::array<float, 2> u) const {
+std::optional<LightsAlongRay::Choice> LightsAlongRay::choose(std::array<float, 2> u, std::size_t index) const {
   if (!chooses_ || stretches_.isEmpty() || lights_->placed().empty()) return {};
+  // Turned by the golden ratio of two dimensions (Roberts 2018).
+  constexpr std::array turns{0.7548777f, 0.5698403f};
+  for (std::size_t i = 0; index > 0 && i < 2; ++i) {
+    const float turned = u[i] + turns[i] * static_cast<float>(index);
+    u[i] = std::min(turned - std::floor(turned), 0x1.fffffep-1f);
+  }
   // What is left of the first number decides whether the choice is carried out.
   if (!lights_->tree().isEmpty()) {
-    const auto entry = lights_->tree().choose(RayQuery{ray_, stretches_}, u[0]);
+    if (index >= cut_.count) return {};
+    const auto entry = lights_->tree().chooseBelow(RayQuery{ray_, stretches_}, cut_.nodes[index], u[0]);
     if (!entry) return {};
     const LightId id = lights_->idOf(entry->entry);
     const Candidate seen = candidate(*lights_->placeOf(id));
@@ -105,27 +122,97 @@ std::optional<LightsAlongRay::Choice> LightsAlongRay::choose(std::array<float, 2
 
 std::optional<LightsAlongRay::Choice> LightsAlongRay::place(LightId light, const Candidate& seen, double probability,
                                                             float xi) {
-  const double t = seen.sampler.sample(static_cast<double>(xi));
-  const double density = probability * seen.chance * seen.sampler.pdf(t);
+  const double t = seen.sample(static_cast<double>(xi));
+  const double density = probability * seen.chance * seen.pdf(t);
   if (!(density > 0 && std::isfinite(density))) return {};
   return Choice{light, t, density, seen.isMet};
 }
 
 double LightsAlongRay::probability(LightId light, const Candidate& seen) const {
   if (light.part != LightId::whole) {
-    return static_cast<double>(lights_->tree().probability(RayQuery{ray_, stretches_}, lights_->entryOf(light)));
+    return static_cast<double>(lights_->tree().probability(RayQuery{ray_, stretches_}, lights_->entryOf(light), cut_));
   }
   return lights_->placed().size() > 1 ? seen.share / totalShare() : 1;
 }
 
-double LightsAlongRay::density(LightId light, double t) const {
-  if (!chooses_ || stretches_.isEmpty()) return 0;
+LightsAlongRay::Claim LightsAlongRay::claim(LightId light, double t) const {
+  if (!chooses_ || stretches_.isEmpty()) return {};
   const std::optional<LightPlace> place = lights_->placeOf(light);
-  if (!place) return 0;
+  if (!place) return {};
   const Candidate seen = candidate(*place);
-  if (seen.chance == 0) return 0;
-  const double density = probability(light, seen) * seen.chance * seen.sampler.pdf(t);
-  return std::isfinite(density) ? density : 0;
+  if (seen.chance == 0) return {};
+  const double density = probability(light, seen) * seen.chance * seen.pdf(t);
+  if (!(density > 0 && std::isfinite(density))) return {};
+  return {density, seen.isAttenuated && seen.chance >= 1 && seen.attenuated.coarseness() <= fineDepth};
+}
+
+void LightsAlongRay::tabulate() {
+  if (!lights_->tree().isEmpty()) {
+    cut_ = lights_->tree().cut(RayQuery{ray_, stretches_}, 0.0f);
+    columnCount_ = static_cast<std::uint8_t>(cut_.count);
+  } else {
+    columnCount_ = static_cast<std::uint8_t>(std::min(lights_->placed().size(), volume::LightColumns::most));
+  }
+}
+
+volume::LightColumn LightsAlongRay::column(std::size_t index) const {
+  LightPlace place;
+  if (lights_->tree().isEmpty()) {
+    place = lights_->placed()[index].place;
+  } else {
+    const LightBounds& bounds = lights_->tree().bounds(cut_.nodes[index]);
+    place = {.centre = bounds.centre(), .extent = bounds.halfDiagonal(), .intensity = bounds.intensity};
+  }
+  const LightFromRay seen = LightFromRay::of(place, ray_, stretches_);
+  return {seen.projection, seen.keptDistance, static_cast<double>(place.intensity)};
+}
+
+volume::LightColumns LightsAlongRay::columns() const {
+  volume::LightColumns all;
+  all.count = columnCount_;
+  for (std::size_t i = 0; i < all.count; ++i) all.columns[i] = column(i);
+  return all;
+}
+
+std::optional<LightsAlongRay::Choice> LightsAlongRay::choose(const volume::TabulatedLight& found, float u) const {
+  if (found.found.event == volume::DistanceEvent::passed || !(found.mass > 0)) return {};
+  const double t = found.found.t;
+  LightId light;
+  if (lights_->tree().isEmpty()) {
+    light.light = lights_->placed()[found.column].index;
+  } else {
+    const PointQuery query{ray_.at(static_cast<float>(t))};
+    const auto entry = lights_->tree().chooseBelow(query, cut_.nodes[found.column], u);
+    if (!entry) return {};
+    light = lights_->idOf(entry->entry);
+  }
+  const Claim claim = tabulatedClaim(light, t, found.scale / found.mass);
+  if (!(claim.density > 0)) return {};
+  return Choice{light, t, claim.density, false};
+}
+
+LightsAlongRay::Claim LightsAlongRay::tabulatedClaim(LightId light, double t, double scale) const {
+  if (columnCount_ == 0 || !(scale > 0)) return {};
+  std::size_t index = 0;
+  double chance = 1;
+  if (lights_->tree().isEmpty()) {
+    const auto placed = lights_->placed();
+    const auto found = std::ranges::find(placed, light.light, &PlacedLight::index);
+    index = static_cast<std::size_t>(found - placed.begin());
+  } else if (!lights_->placeOf(light)) {
+    return {};
+  } else {
+    const std::uint32_t entry = lights_->entryOf(light);
+    index = lights_->tree().clusterOf(entry, cut_);
+    if (index < columnCount_) {
+      const PointQuery query{ray_.at(static_cast<float>(t))};
+      chance = static_cast<double>(lights_->tree().probability(query, entry, cut_));
+    }
+  }
+  if (index >= columnCount_) return {};
+  const double density = scale * column(index).falloff(t) * chance;
+  if (!(density > 0 && std::isfinite(density))) return {};
+  return {density, true};
 }
 
 float LightsAlongRay::correction(LightId light, double t, float distance) const {

@@ -112,16 +112,28 @@ volume::RayStretches scatteringStretches(const PathContext& path, double t0, dou
   volume::RayStretches stretches;
   double end = t1;
   if (boundaryMedium) end = std::min(end, t0 + reachOf(*boundaryMedium));
-  const bool isWhole = (boundaryMedium && boundaryMedium->mayScatter) ||
-                       path.scene().geometry->overlapDesign() == accel::OverlapDesign::partition;
-  if (isWhole && t0 < end) stretches.add(t0, end);
+  const auto add = [&](double a, double b, const Medium* medium) {
+    if (!(a < b)) return;
+    if (!medium || !medium->constant) return stretches.add(a, b);
+    stretches.add(a, b, {medium->constant->sigmaT, medium->constant->sigmaS});
+  };
+  const bool isPartitioned = path.scene().geometry->overlapDesign() == accel::OverlapDesign::partition;
+  const bool isWhole = (boundaryMedium && boundaryMedium->mayScatter) || isPartitioned;
+  if (isWhole) add(t0, end, isPartitioned ? nullptr : boundaryMedium);
+  // Overlap, and what only weakens light, is not told apart.
+  bool isSimple = isWhole || !boundaryMedium || (boundaryMedium->constant && isBlack(boundaryMedium->constant->sigmaT));
+  double behind = t0;
   for (const accel::Span& span : path.spans) {
     const Medium& medium = path.mediumSpans.mediumOf(span);
     const double a = std::max(span.t0, t0);
     end = std::min(end, a + reachOf(medium));
     const double b = std::min(span.t1, end);
-    if (medium.mayScatter && !medium.isHoldout && a < b) stretches.add(a, b);
+    const bool scatters = medium.mayScatter && !medium.isHoldout;
+    if (scatters) add(a, b, &medium);
+    isSimple = isSimple && scatters && !isWhole && a >= behind;
+    behind = std::max(behind, span.t1);
   }
+  if (!isSimple) stretches.forgetExtinction();
   return stretches;
 }
 
@@ -142,17 +154,21 @@ const LinkedLights* commonLinks(const PathContext& path, const Medium* boundaryM
 }
 
 Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput, volume::GivenDistance* given,
-                                    DistanceNumbers numbers) {
+                                    DistanceNumbers numbers, bool tracks) {
   DistanceSample whole;
   Segment segment;
   if (!path.segments.next(segment)) co_return whole;
   DistanceSource random(path.random(), numbers);
   do {
-    const bool tracks = whole.event == DistanceEvent::passed, finds = given && given->concerns(segment);
+    tracks = tracks && whole.event == DistanceEvent::passed;
+    const bool finds = given && given->concerns(segment);
     if (!tracks && !finds) break;
     DistanceSample part;
-    const DistanceMethod method = methodOf(segment);
-    countWork(path.statistics().work, segment, method);
+    const DistanceMethod plain = methodOf(segment);
+    // Tabulated lights want cells, of constants as well.
+    const bool isTabulated = plain == DistanceMethod::closedForm && finds && given->lights;
+    const DistanceMethod method = isTabulated ? DistanceMethod::marching : plain;
+    countWork(path.statistics().work, segment, plain);
     switch (method) {
       case DistanceMethod::closedForm: {
         const volume::HomogeneousSegment homogeneous(segment, throughput);
@@ -183,7 +199,8 @@ Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color thr
     part.choicePdf *= whole.choicePdf;
     if (whole.pdfKind == volume::PdfKind::joint) part.pdfKind = volume::PdfKind::joint;
     whole = part;
-  } while ((whole.event == DistanceEvent::passed || (given && given->isOpen())) && path.segments.next(segment));
+    tracks = whole.event == DistanceEvent::passed;
+  } while ((tracks || (given && given->isOpen())) && path.segments.next(segment));
   co_return whole;
 }
 

@@ -30,10 +30,11 @@ inline constexpr std::uint32_t distanceSlots = 2;
 
 /// Samples a distance through `path.segments`, which are found no farther than the path comes. `throughput` steers
 /// choices between channels alone. The result's weights and emission are for the whole way; `passed` means past the
-/// last segment. What lies at a `given` distance is found on the same way.
+/// last segment. What lies at a `given` distance is found on the same way; `tracks` false: nothing else is.
 volume::Task<volume::DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput,
                                                     volume::GivenDistance* given = nullptr,
-                                                    DistanceNumbers numbers = DistanceNumbers::hashed);
+                                                    DistanceNumbers numbers = DistanceNumbers::hashed,
+                                                    bool tracks = true);
 
 /// What arrives of the light that enters at the ray's end: the product of all media's transmittances (no sorting, no
 /// splitting), zero behind an opaque surface. Estimated; may be negative where a bound is exceeded. Where media nest,

@@ -33,6 +33,10 @@ std::vector<std::string> optionalEffectsOf(const PreparedScene& scene) {
       {"light-hierarchy", !scene.lights.tree().isEmpty()},
       {"equiangular-sampling", scene.path.equiangular.isCalledFor() && !scene.lights.placed().empty() &&
                                    std::ranges::any_of(media, &volume::Medium::mayScatter)},
+      {"light-splitting", scene.splitsLights.isCalledFor()},
+      {"contribution-roulette", !scene.contributions.isEmpty()},
+      {"joint-lights", scene.lightChoice == LightChoice::tabulated},
+      {"lamp-directions", !scene.lampsInMedia.empty()},
       {"volume-emission", scene.lights.hasVolumes()},
       {"analytic-voxels", isPlanned(volume::DistanceMethod::analytic)},
       {"null-scattering", isPlanned(volume::DistanceMethod::nullScattering)},

@@ -25,6 +25,7 @@
 
 namespace aerosol::render {
 
+struct PilotPath;
 struct PreparedScene;
 class PathContext;
 class PathRecord;
@@ -229,6 +230,7 @@ class PathContext {
   RayFootprint footprint_, askedFootprint_;
 
  public:
+  EffectPointer<PilotPath> pilot;    ///< Of a pilot takes note of its vertices; null otherwise.
   EffectPointer<PathRecord> record;  ///< Of what AOVs gather; null when there are none.
 
   // Scratch, reused from ray to ray.
@@ -237,6 +239,8 @@ class PathContext {
   PathSpans mediumSpans;
   volume::SegmentStream segments;
   volume::MarchingTable marchingTable;
+  volume::LightColumns lightColumns;  ///< Of the ray, where lights are tabulated,
+  volume::TabulatedLight tabulated;   ///< and what was found.
 
   volume::MediumStack media;        ///< Surface-defined interiors around the path; only where media nest.
   volume::MediumStack shadowMedia;  ///< The same along a shadow ray.

@@ -11,6 +11,7 @@
 #include "core/render/media_probe.h"
 #include "core/render/overlap.h"
 #include "core/render/preparation/aovs.h"
+#include "core/render/preparation/contributions.h"
 #include "core/render/preparation/displacement.h"
 #include "core/render/preparation/lights.h"
 #include "core/render/preparation/materials.h"
@@ -43,8 +44,9 @@ void setUpCamera(Preparation& state) {
       state.description.sampler.type == scene::SamplerType::sobol ? SamplerKind::sobol : SamplerKind::independent;
   state.scene->seed = static_cast<std::uint64_t>(state.description.sampler.seed);
   const scene::Integrator& integrator = state.description.integrator;
-  state.scene->path = {integrator.maxDepth, integrator.rrDepth, integrator.hideEmitters, integrator.stepScale,
-                       integrator.equiangular};
+  state.scene->path = {integrator.maxDepth,    integrator.rrDepth,       integrator.hideEmitters,
+                       integrator.stepScale,   integrator.equiangular,   integrator.splitLights,
+                       integrator.jointLights, integrator.lampDirections};
   state.scene->loopBudget = state.options.loopBudget;
 }
 
@@ -145,6 +147,27 @@ void findLightsOnFaces(Preparation& state) {
   }
 }
 
+/// How lights beside rays through media are chosen together with places.
+void decideLightChoice(Preparation& state) {
+  PreparedScene& scene = *state.scene;
+  scene.lightChoice = scene.path.equiangular.isCalledFor() ? LightChoice::equiangular : LightChoice::none;
+  if (!scene.path.jointLights) return;
+  const auto hasTable = [](const volume::Medium& medium) {
+    return !medium.mayScatter || medium.method == volume::DistanceMethod::marching ||
+           medium.method == volume::DistanceMethod::closedForm;
+  };
+  const auto without = std::ranges::find_if_not(scene.media, hasTable);
+  if (without == scene.media.end()) {
+    scene.lightChoice = LightChoice::tabulated;
+    return;
+  }
+  state.warnings.warning(
+      state.description.integrator.origin.location,
+      "'joint_lights' has no effect: it needs the tables of ray marching, and '" + scene.mediumNames[without->index] +
+          "' is sampled otherwise",
+      {"choose 'marching' as the distance of all media, on the command line by --distance marching"});
+}
+
 /// What this build leaves out and the scene calls for.
 void refuseMissingEffects(Preparation& state) {
   if (hasOptionalEffects) return;
@@ -187,6 +210,12 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   describeObjects(state);
   findLightsOnFaces(state);
   findInitialMedia(state);
+  state.scene->splitsLights = state.scene->path.splitThreshold > 0 && !state.scene->lights.tree().isEmpty();
+  decideLightChoice(state);
+  if (state.scene->path.equiangular.isCalledFor() && state.scene->path.lampDirections) {
+    state.scene->lampsInMedia = findLampsInMedia(*state.scene);
+  }
+  if (!state.errors.hasErrors()) learnContributions(state);
   decideAovs(state);
   refuseMissingEffects(state);
   if (state.errors.hasErrors()) return fail(state);

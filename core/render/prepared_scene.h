@@ -12,7 +12,10 @@
 #include "core/render/camera.h"
 #include "core/render/carried_volume.h"
 #include "core/render/closure.h"
+#include "core/render/contribution_map.h"
 #include "core/render/filter.h"
+#include "core/render/lamp_directions.h"
+#include "core/render/light_choice.h"
 #include "core/render/light_set.h"
 #include "core/render/linked_lights.h"
 #include "core/render/message_log.h"
@@ -73,6 +76,9 @@ struct PathSettings {
   bool hideEmitters = false;
   float stepScale = 1;
   EffectSwitch equiangular = true;  ///< Distances in media are also sampled for the lights beside the ray.
+  float splitThreshold = 0;    ///< Clusters of lights are split whose spread is a larger part of all light; 0: none.
+  bool jointLights = false;    ///< Places along rays for lights come from the tables of marching.
+  bool lampDirections = true;  ///< And directions towards lamps in media.
 };
 
 /// How a medium moves by its velocity: its shader is run at x - (t - reference) v(x).
@@ -138,6 +144,9 @@ struct PreparedScene {
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
   EffectSwitch probesMedia;          ///< Paths may begin in different media: each one looks by itself.
   LightSet lights;
+  std::vector<LampInMedia> lampsInMedia;        ///< Towards which directions are chosen.
+  LightChoice lightChoice = LightChoice::none;  ///< Of places along rays through media.
+  EffectSwitch splitsLights;                    ///< Vertices may sample several clusters of lights.
   EffectSwitch hasMovingLights;
   std::vector<std::optional<shading::InstanceRef>> lightTextures;  ///< By light: what its light is multiplied by.
   std::optional<Camera> camera;
@@ -151,6 +160,7 @@ struct PreparedScene {
     return medium.phase ? *medium.phase : *phase;
   }
   PathSettings path;
+  ContributionMap contributions;        ///< For Russian roulette; empty: by throughput.
   std::unique_ptr<const AovPlan> aovs;  ///< Null when none are asked for; films with its layout gather them.
   std::uint32_t loopBudget = 1u << 20;
   std::unique_ptr<MessageLog> messages = std::make_unique<MessageLog>();

@@ -4,10 +4,12 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/render/contribution_map.h"
 #include "core/render/film.h"
 #include "core/render/integrator.h"
 #include "core/render/prepared_scene.h"
@@ -25,6 +27,12 @@ struct Progress {
   double error = 0;           ///< Relative error of the image a little earlier (film_error.h); 0: not known.
 };
 
+/// The paths of a pilot, in any order.
+struct PilotLog {
+  std::mutex mutex;
+  std::vector<PilotPath> paths;
+};
+
 struct RenderOptions {
   int threads = 0;                                ///< 0: one a processor.
   std::uint32_t firstSample = 0;                  ///< Of every pixel.
@@ -38,6 +46,7 @@ struct RenderOptions {
   std::function<void(std::string)> checkpoint;
   /// Called with each part of the film that got samples, by the thread that renders it: others keep off that part.
   std::function<void(const PixelRect&)> partDone;
+  PilotLog* pilot = nullptr;                ///< Takes note of all paths.
   double checkpointSeconds = 30;            ///< From the end of one to the next; longer where they take long.
   bool profile = false;                     ///< Look where the threads are, a thousand times a second.
   const std::atomic<bool>* stop = nullptr;  ///< Set by somebody: the render ends soon; the film keeps what is complete.

@@ -43,6 +43,8 @@ Worker::Worker(SharedWork shared) : shared_(shared), queues_(shared.scene, stati
     paths_.push_back(slots_[i].path.get());
     if (!shared.film.layout().isEmpty()) slots_[i].record = std::make_unique<PathRecord>(*shared.scene.aovs);
     slots_[i].path->record = slots_[i].record.get();
+    if (shared.options.pilot) slots_[i].pilot = std::make_unique<PilotPath>();
+    slots_[i].path->pilot = slots_[i].pilot.get();
     free_.push_back(count - 1 - i);
   }
   statistics_.lightSamples.resize(shared.scene.lights.size());
@@ -145,6 +147,16 @@ void Worker::finish(std::uint32_t index) {
   slot.task.reset();
   const PathId& id = slot.path->id();
   OpenTile& tile = *slot.tile;
+  if (slot.pilot) {
+    PilotPath noted = std::move(*slot.pilot);
+    *slot.pilot = {};
+    noted.x = id.x;
+    noted.y = id.y;
+    noted.sample = id.sample;
+    noted.value = average(radiance.color);
+    const std::lock_guard lock(shared_.options.pilot->mutex);
+    shared_.options.pilot->paths.push_back(std::move(noted));
+  }
   std::span<const float> aovs;
   if (slot.record) {
     statistics_.work.add(Work::layers);

@@ -50,6 +50,7 @@ class Worker final : public QuestionSink {
     std::unique_ptr<PathContext> path;
     std::optional<volume::Task<Radiance>> task;
     std::unique_ptr<PathRecord> record;  ///< Null without AOVs.
+    std::unique_ptr<PilotPath> pilot;    ///< Null but in a pilot.
     OpenTile* tile = nullptr;
     float filterWeight = 1;
   };

@@ -136,6 +136,9 @@ struct Medium {
 /// How volume primitives along a ray are found (accel::OverlapDesign).
 enum class OverlapChoice : std::uint8_t { automatic, split, partition };
 
+/// By what Russian roulette decides.
+enum class Roulette : std::uint8_t { automatic, throughput, contribution };
+
 /// A quantity to be shown beside the picture.
 struct AovRequest {
   std::string name;             ///< Of the layer.
@@ -152,9 +155,14 @@ struct Integrator {
   bool lowerPriorityWins = false;                                          ///< Of surface-defined media that overlap.
   DistanceSampling distance = DistanceSampling::automatic;                 ///< For media that do not choose.
   TransmittanceSampling transmittance = TransmittanceSampling::automatic;  ///< For media that do not choose.
-  bool equiangular = true;  ///< Distances in media are also chosen for the lights beside a ray.
-  bool footprints = true;   ///< Shaders are told how their inputs change from pixel to pixel.
+  bool equiangular = true;     ///< Distances in media are also chosen for the lights beside a ray.
+  float splitLights = 0.25f;   ///< Clusters of lights are split whose spread is a larger part of all light; 0: none.
+  bool volumeLights = true;    ///< Media that glow are sampled as lights.
+  bool jointLights = false;    ///< Places along rays for lights come from the tables of marching.
+  bool lampDirections = true;  ///< Directions out of media are also chosen towards lamps inside of media.
+  bool footprints = true;      ///< Shaders are told how their inputs change from pixel to pixel.
   OverlapChoice overlap = OverlapChoice::automatic;
+  Roulette roulette = Roulette::automatic;
   float stepScale = 1;       ///< Factor on all ray marching steps, > 0.
   float lodPixels = 0;       ///< Voxels that the camera sees smaller than so many pixels are made coarser; 0: none.
   int lodDepth = 0;          ///< Paths longer than this see volumes with coarser voxels; 0: none does.

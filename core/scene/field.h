@@ -29,6 +29,10 @@ struct Words<TransmittanceSampling> {
   static constexpr std::array words = {"auto", "marching", "ratio", "two_combs", "unbiased", "delta"};
 };
 template <>
+struct Words<Roulette> {
+  static constexpr std::array words{"auto", "throughput", "contribution"};
+};
+template <>
 struct Words<OverlapChoice> {
   static constexpr std::array words = {"auto", "split", "partition"};
 };

@@ -293,6 +293,13 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
              field<&Integrator::rrDepth>({.name = "rr_depth",
                                           .doc = "path length from which Russian roulette is played",
                                           .range = Range::atLeast(1)}),
+             field<&Integrator::roulette>(
+                 {.name = "roulette",
+                  .doc =
+                      "by what Russian roulette decides: the light that comes through the path (throughput), or what "
+                      "the path may still bring to its pixel, from its first vertex on, as a small render before "
+                      "the render tells (contribution); auto takes the latter for pictures of 1024 pixels or more "
+                      "in which media scatter"}),
              field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
              field<&Integrator::lowerPriorityWins>(
                  {.name = "lower_priority_wins",
@@ -309,6 +316,25 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                  {.name = "transmittance", .doc = "transmittance to lights through media that do not choose"}),
              field<&Integrator::equiangular>(
                  {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
+             field<&Integrator::splitLights>(
+                 {.name = "split_lights",
+                  .doc = "of many lights up to eight are sampled at a point, or along a ray through media: clusters "
+                         "are split while one's spread is "
+                         "more than this part of all the light that arrives; 0 samples one light, 0.05 splits readily",
+                  .range = Range::atLeast(0)}),
+             field<&Integrator::jointLights>(
+                 {.name = "joint_lights",
+                  .doc = "instead of equiangular distances, lights are tabulated along rays together with the media, "
+                         "and distances chosen in proportion to both; where all media that scatter are marched or "
+                         "constant"}),
+             field<&Integrator::volumeLights>(
+                 {.name = "volume_lights",
+                  .doc = "media that glow are sampled as lights, where bounds on their emission are proven; otherwise "
+                         "paths meet them by chance"}),
+             field<&Integrator::lampDirections>(
+                 {.name = "lamp_directions",
+                  .doc = "directions out of media are also chosen towards lamps that stand in media; only with "
+                         "equiangular"}),
              field<&Integrator::stepScale>(
                  {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
              field<&Integrator::lodPixels>(

@@ -39,9 +39,12 @@ struct DistanceSample {
   Color emission;                  ///< Radiance met on the way, for unit throughput at the segment's start.
   const Medium* medium = nullptr;  ///< That scattered.
   float anisotropy = 0;            ///< Of the lobe that scattered.
+  double lightScale = 0;           ///< What the place is to tabulated lights, when scattered; see TabulatedLight.
 
   double pdf() const { return std::exp(logPdf); }
 };
+
+struct TabulatedLight;
 
 /// A distance that something else than a tracker chose, and what trackers find there: `sample` passes segment by
 /// segment with weight = T and choicePdf = P(the tracker passes), until at `t` it is scattered with weight = σs T of a
@@ -49,6 +52,7 @@ struct DistanceSample {
 struct GivenDistance {
   double t = 0;
   DistanceSample sample;
+  TabulatedLight* lights = nullptr;  ///< With it `t` is infinite: marching looks for a place by itself.
 
   bool isOpen() const { return sample.event == DistanceEvent::passed; }
   /// Is anything to be found in or behind this segment?

@@ -5,6 +5,7 @@
 // / P.
 
 #include "core/render/aov/first_seen.h"
+#include "core/render/contribution_map.h"
 #include "core/render/direct_light.h"
 #include "core/render/interior.h"
 #include "core/render/lights_along_ray.h"
@@ -46,6 +47,7 @@ struct PathState {
   DirectionRecord direction;                  ///< How the ray's direction was found.
   const Medium* boundaryMedium = nullptr;     ///< Surface-defined medium around the ray.
   std::optional<accel::SurfaceHit> touching;  ///< A surface right where the ray begins, to be met first.
+  float splitThreshold = neverSplit;          ///< Of light sampling at the ray's end.
   bool lightsReach = false;  ///< Since lights were sampled the path has only gone through what lets shadow
                              ///< rays pass straight.
   int length = 1;            ///< Segments so far, this ray's included.
@@ -78,19 +80,48 @@ void continueFrom(PathState& state, Point<World> origin, Vector<World> direction
 LightsAlongRay lightsAlongRay(const PathContext& path, const PathState& state, double t0, double t1) {
   const PreparedScene& scene = path.scene();
   if (scene.lights.placed().empty() || scene.media.empty()) return {};
-  const bool chooses = scene.path.equiangular && state.length != scene.path.maxDepth;
+  const bool mayScatter = hasOptionalEffects && state.length != scene.path.maxDepth;
+  const LightChoice choice = mayScatter ? scene.lightChoice : LightChoice::none;
   const LightSet& lights = scene.lightsOf(commonLinks(path, state.boundaryMedium));
-  return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), chooses};
+  return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), choice, state.splitThreshold};
+}
+
+/// Clusters of lights are split at the ray's end where they matter to the picture: less so, the less of the light there
+/// comes through. By what holds before anything is drawn for the ray, so that all densities agree about it.
+float splitThreshold(const PreparedScene& scene, Color throughput) {
+  if (!scene.splitsLights) return neverSplit;
+  return scene.path.splitThreshold / std::max(maximum(abs(throughput)), 1e-6f);
+}
+
+/// Lights are tabulated on the ray's way.
+void beginTable(PathContext& path, const LightsAlongRay& lights, volume::GivenDistance& given) {
+  path.lightColumns = lights.columns();
+  path.tabulated = {};
+  path.tabulated.columns = &path.lightColumns;
+  path.tabulated.u = path.random().next2D();
+  given.t = std::numeric_limits<double>::infinity();
+  given.lights = &path.tabulated;
+}
+
+/// At the end of the way: the place that the tables gave, and what they say of the tracker's.
+std::optional<LightsAlongRay::Choice> chooseFromTable(PathContext& path, const LightsAlongRay& lights,
+                                                      volume::GivenDistance& given, volume::DistanceSample& event) {
+  const volume::TabulatedLight& table = *given.lights;
+  path.statistics().work.add(Work::tabulatedLight);
+  event.lightScale = table.mass > 0 ? event.lightScale / table.mass : 0;
+  given.sample = table.found;
+  given.sample.lightScale = table.mass > 0 ? table.scale / table.mass : 0;
+  return lights.choose(table, path.random().nextHash());
 }
 
 /// Light that reaches the ray at a place chosen for it.
 Task<Color> lightAlongRay(PathContext& path, const PathState& state, const LightsAlongRay& lights,
                           const LightsAlongRay::Choice& choice, const volume::DistanceSample& found) {
   if (found.event != DistanceEvent::scattered || found.medium->isHoldout) co_return Color();
-  const PlaceOnRay place{lights, found.t, found.choicePdf};
+  const PlaceOnRay place{lights, found.t, found.choicePdf, found.lightScale};
   const MediumVertex vertex(path.scene(), *found.medium, state.ray, place, found.anisotropy, state.boundaryMedium,
                             path.media);
-  const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time);
+  const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time, state.splitThreshold);
   if (path.record) {
     path.record->addSampled(found.weight * light, inMedium);
     path.record->addInFront(seenDistance(state, vertex.position()), state.throughput * found.weight * light);
@@ -100,11 +131,38 @@ Task<Color> lightAlongRay(PathContext& path, const PathState& state, const Light
   co_return found.weight* light;
 }
 
+/// The same for all choices but the first, where clusters of many lights are split: each finds its place on a way of
+/// its own. The volumes along the ray are those of its query.
+Task<Color> lightByFurtherChoices(PathContext& path, const PathState& state, const LightsAlongRay& lights,
+                                  std::array<float, 2> u, double begin, double end) {
+  struct Found {
+    LightsAlongRay::Choice choice;
+    volume::DistanceSample sample;
+  };
+  std::array<Found, LightCut::most> found;
+  std::size_t count = 0;
+  path.statistics().work.add(Work::lightSplitting);
+  for (std::size_t i = 1; i < lights.count(); ++i) {
+    const auto choice = lights.choose(u, i);
+    if (!choice) continue;
+    path.statistics().work.add(Work::chosenDistance);
+    volume::GivenDistance given{.t = choice->t};
+    findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media, state.direction.links);
+    co_await sampleDistance(path, state.ray, state.throughput, &given, DistanceNumbers::hashed, false);
+    found[count++] = {*choice, given.sample};
+  }
+  Color sum;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += co_await lightAlongRay(path, state, lights, found[i].choice, found[i].sample);
+  }
+  co_return sum;
+}
+
 /// Scatters in a medium. False when the path ends.
 Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance, const LightsAlongRay& lights,
                            const volume::DistanceSample& event) {
   const PreparedScene& scene = path.scene();
-  const PlaceOnRay place{lights, event.t, event.choicePdf};
+  const PlaceOnRay place{lights, event.t, event.choicePdf, event.lightScale};
   const MediumVertex vertex(scene, *event.medium, state.ray, place, event.anisotropy, state.boundaryMedium, path.media);
   if (path.record) {
     const float distance = seenDistance(state, vertex.position());
@@ -113,12 +171,15 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   if (state.length == scene.path.maxDepth) co_return false;
   path.statistics().work.add(Work::mediumScattering);
   beginVertex(path, state.length);
-  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
-  radiance.color += state.throughput * light;
-  if (path.record) path.record->addSampled(light, inMedium);
+  for (DirectLight lit(path, vertex, state.ray.time, state.splitThreshold); lit.next();) {
+    const Color light = co_await estimateDirectLight(path, lit);
+    radiance.color += state.throughput * light;
+    if (path.record) path.record->addSampled(light, inMedium);
+  }
+  if (vertex.followsLamps()) path.statistics().work.add(Work::lampDirection);
   const volume::PhaseSample next = vertex.sample(path.random().next2D());
   if (path.record) path.record->scatter(inMedium, Color(next.weight));
-  state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links()};
+  state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links(), state.splitThreshold};
   state.rayTypes = shading::ray::diffuse;
   state.lightsReach = true;
   if (path.keepsFootprints()) {
@@ -188,9 +249,11 @@ Task<Step> leaveBody(PathContext& path, PathState& state, Radiance& radiance, co
   const SurfaceVertex vertex(way->hit, exit.mix(), outside, outside);
   // The numbers with which lights were sampled where it entered serve again: no product has both.
   beginVertex(path, state.length);
-  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
-  radiance.color += state.throughput * light;
-  if (path.record && !isBlack(light)) path.record->addSampled(light, outOfBody);
+  for (DirectLight lit(path, vertex, state.ray.time, neverSplit); lit.next();) {
+    const Color light = co_await estimateDirectLight(path, lit);
+    radiance.color += state.throughput * light;
+    if (path.record && !isBlack(light)) path.record->addSampled(light, outOfBody);
+  }
   const std::optional<ClosureSample> leaving =
       exit.mix().sample({.choice = 0, .place = {path.random().nextHash(), path.random().nextHash()}});
   if (!leaving) co_return Step::ends;
@@ -273,9 +336,10 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   const SurfaceVertex vertex(hit, closures.mix(), {state.boundaryMedium, path.media},
                              {behind, nesting.isInterface ? path.mediaBehind : path.media}, lightsPassed,
                              scene.linksOf(object));
-  const Color light = co_await estimateDirectLight(path, vertex, state.ray.time);
-  radiance.color += state.throughput * light;
-  if (path.record && !isBlack(light)) {
+  for (DirectLight lit(path, vertex, state.ray.time, state.splitThreshold); lit.next();) {
+    const Color light = co_await estimateDirectLight(path, lit);
+    radiance.color += state.throughput * light;
+    if (!path.record || isBlack(light)) continue;
     const Vector<World> towards = path.record->litDirection();
     path.record->addSampled(light, ScatterShares(closures.mix(), towards, reflects(hit, towards)));
   }
@@ -303,6 +367,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
                      .pdf = next->pdf,
                      .isDelta = next->isDelta || isReplaced,
                      .links = links,
+                     .splitThreshold = state.splitThreshold,
                      .isReplaced = isReplaced};
   if (path.keepsFootprints()) {
     path.setFootprint(
@@ -318,13 +383,25 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   co_return Step::scatters;
 }
 
-/// Russian roulette on the throughput. False when the path ends. Survival stays close to 1 where nothing is lost: in a
+/// Russian roulette. False when the path ends. By throughput survival stays close to 1 where nothing is lost: in a
 /// cloud of albedo 1 each chance to end would raise the weight of the survivors, bounce after bounce.
-bool survivesRoulette(PathContext& path, PathState& state) {
+bool survivesRoulette(PathContext& path, PathState& state, const Radiance& radiance) {
   if (isBlack(state.throughput)) return false;
-  if (state.length <= path.scene().path.rrDepth) return true;
+  const PreparedScene& scene = path.scene();
+  if (path.pilot) {
+    path.pilot->vertices.push_back({state.ray.origin, average(abs(state.throughput)), average(radiance.color)});
+  }
+  const bool isLong = state.length > scene.path.rrDepth;
+  float survival = 1;
+  if (hasOptionalEffects && !scene.contributions.isEmpty()) {
+    path.statistics().work.add(Work::contribution);
+    survival = scene.contributions.survival(state.ray.origin, state.throughput, path.id().x, path.id().y);
+    if (isLong) survival = std::min(survival, 0.999f);
+  } else if (isLong) {
+    survival = std::min(maximum(abs(state.throughput)), 0.999f);
+  }
+  if (survival >= 1) return true;
   path.statistics().work.add(Work::roulette);
-  const float survival = std::min(maximum(abs(state.throughput)), 0.999f);
   if (!(path.random().nextHash() < survival)) return false;
   state.throughput = state.throughput / survival;
   if (path.record) path.record->weaken(Color(1 / survival));
@@ -353,16 +430,21 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     path.setRayTypes(state.rayTypes);
     path.setLength(state.length);
     findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media, state.direction.links);
+    state.splitThreshold = splitThreshold(scene, state.throughput);
     const LightsAlongRay lights = lightsAlongRay(path, state, begin, end);
     beginRay(path, state.length);
-    const auto lit = lights.chooses() ? lights.choose(path.random().next2D()) : std::nullopt;
+    std::array<float, 2> u{};
+    if (lights.chooses()) u = path.random().next2D();
+    auto lit = lights.chooses() ? lights.choose(u) : std::nullopt;
     volume::GivenDistance given{.t = lit ? lit->t : 0};
-    path.statistics().raysIntoLights += lit && lit->isMet;
-    if (lit) path.statistics().work.add(Work::chosenDistance);
+    if (lights.isTabulated()) beginTable(path, lights, given);
     // Behind a boundary, or a face that was touched, the ray's own numbers are used up.
     const auto numbers = passed || isTouching ? DistanceNumbers::hashed : DistanceNumbers::stratified;
-    const volume::DistanceSample event =
-        co_await sampleDistance(path, state.ray, state.throughput, lit ? &given : nullptr, numbers);
+    volume::DistanceSample event =
+        co_await sampleDistance(path, state.ray, state.throughput, lit || given.lights ? &given : nullptr, numbers);
+    if (given.lights) lit = chooseFromTable(path, lights, given, event);
+    path.statistics().raysIntoLights += lit && lit->isMet;
+    if (lit) path.statistics().work.add(Work::chosenDistance);
     if (!isBlack(event.emission)) {
       path.statistics().work.add(Work::mediumEmission);
       // Lights are sampled up to the first surface, whatever it is.
@@ -372,6 +454,9 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
         path.record->addFromMedia(event.emission * weight);
         path.record->addInFront(state.throughput * event.emission * weight);
       }
+    }
+    if (lights.count() > 1) {
+      radiance.color += state.throughput * co_await lightByFurtherChoices(path, state, lights, u, begin, end);
     }
     if (lit) radiance.color += state.throughput * co_await lightAlongRay(path, state, lights, *lit, given.sample);
     state.throughput *= event.weight;
@@ -385,7 +470,8 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       }
       radiance.alpha = 1;
       passed.reset();
-      goesOn = co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state);
+      goesOn =
+          co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state, radiance);
     } else if (!hit) {
       // What lets the camera see straight through shows no environment either.
       const bool isHidden = scene.path.hideEmitters && state.rayTypes == shading::ray::camera;
@@ -400,7 +486,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     } else {
       passed.reset();
       const Step step = co_await meetSurface(path, state, radiance, *hit, passed);
-      goesOn = step == Step::passes || (step == Step::scatters && survivesRoulette(path, state));
+      goesOn = step == Step::passes || (step == Step::scatters && survivesRoulette(path, state, radiance));
     }
     path.statistics().pathVertices += goesOn;
     if (goesOn && state.length > 2) path.statistics().work.add(Work::laterScattering);

@@ -123,6 +123,67 @@ TEST_P(LightsInFog, AFaultOfTwoPercentIsFound) {
   EXPECT_FALSE(shows(scene, *film, expected));
 }
 
+/// Places by the tables of marching.
+class JointLights : public ::testing::TestWithParam<Method> {
+ protected:
+  const std::string joint = R"(<boolean name="joint_lights" value="true"/>)";
+};
+
+TEST_P(JointLights, MeetQuadrature) {
+  LampInFog expected;
+  for (const double radius : {0.0, 0.01}) {
+    expected.lampRadius = radius;
+    expected.intensity = radius > 0 ? 5000 : 2;
+    const TestScene scene = loadScene(once + joint, besideTheLamp, expected.xml(GetParam().xml));
+    ASSERT_EQ(scene.scene()->lightChoice, render::LightChoice::tabulated);
+    EXPECT_TRUE(shows(scene, *scene.render(256), expected)) << radius;
+    expected.intensity *= 1.02;
+    EXPECT_FALSE(shows(scene, *scene.render(256), expected)) << radius;
+  }
+}
+
+/// Few lights and many, one of them behind an overlap of media, after several scatterings.
+TEST_P(JointLights, SeveralLightsShowTheSame) {
+  for (const int count : {3, 40}) {
+    std::string content = R"(<emitter type="constant"><rgb name="radiance" value="0.05"/></emitter>)";
+    for (int i = 0; i < count; ++i) {
+      content += fmt::format(R"(<emitter type="point"><point name="position" x="{}" y="{}" z="{}"/>
+          <rgb name="intensity" value="{}"/></emitter>)",
+                             0.9 * std::sin(5.0 * i), 0.9 * std::cos(3.0 * i), 0.6 * std::sin(2.0 * i + 1),
+                             (1 + i % 3) * 0.6 / count);
+    }
+    content += fmt::format(R"(<volume type="sphere">{0}</volume><volume type="sphere"><transform name="to_world">
+        <scale value="0.5"/><translate x="0.2"/></transform>{0}</volume>)",
+                           GetParam().xml[0] ? fmt::format(R"(<medium type="ramp">{}<float name="at_zero" value="1"/>
+            <float name="slope" value="0.4"/><float name="most" value="2"/><rgb name="albedo" value="0.8"/></medium>)",
+                                                           GetParam().xml)
+                                             : R"(<medium type="homogeneous"><rgb name="sigma_t" value="1, 1.4, 2"/>
+            <rgb name="albedo" value="0.9, 0.7, 0.6"/></medium>)");
+    const TestSensor view{.target = "0, -0.1, 0", .fov = 20, .width = 8, .height = 8};
+    TestSensor other = view;
+    other.seed = 1;
+    const std::string depth = R"(<integer name="max_depth" value="4"/>)";
+    const TestScene with = loadScene(depth + joint, view, content), without = loadScene(depth, other, content);
+    ASSERT_EQ(with.scene()->lightChoice, render::LightChoice::tabulated);
+    EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(1024), 0.02)) << count;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, JointLights, ::testing::Values(methods[0], methods[2], methods[4]),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+/// What needs tables is said to have none.
+TEST(JointLightsElsewhere, HaveNoEffectAndAreReported) {
+  const LampInFog lamp;
+  TestSensor sensor{.width = 4, .height = 4};
+  SceneOptions options;
+  options.mayWarn = true;
+  const TestScene scene = loadScene(R"(<boolean name="joint_lights" value="true"/>)", sensor,
+                                    lamp.xml(R"(<string name="distance" value="null"/>)"), options);
+  EXPECT_EQ(scene.scene()->lightChoice, render::LightChoice::equiangular);
+  EXPECT_NE(scene.warnings().find("'joint_lights' has no effect"), std::string::npos);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, LightsInFog, ::testing::ValuesIn(methods),
                          [](const auto& info) { return std::string(info.param.name); });
 
@@ -198,6 +259,104 @@ TEST(LightsInFogMany, BothWaysShowTheSame) {
   other.seed = 1;
   const TestScene with = loadScene(once, view, content), without = loadScene(onceWithout, other, content);
   EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(8192), 0.01));
+}
+
+/// Forty lamps in fog and on a floor: one sample, or one of each of several clusters, at every vertex and along rays.
+TEST(LightSplitting, ShowsTheSame) {
+  for (const bool isConstant : {true, false}) {
+    std::string content = R"(<emitter type="constant"><rgb name="radiance" value="0.05"/></emitter>
+        <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/><scale value="2"/>
+        <translate y="-0.8"/></transform><bsdf type="diffuse"/></shape>)";
+    for (int i = 0; i < 40; ++i) {
+      const double size = i % 4 == 0 ? 0.03 : 0;
+      const std::string place = fmt::format(R"(x="{}" y="{}" z="{}")", 0.8 * std::sin(5.0 * i),
+                                            0.7 * std::cos(3.0 * i) + 0.05, 0.6 * std::sin(2.0 * i + 1));
+      content += size > 0
+                     ? fmt::format(R"(<shape type="sphere"><point name="center" {}/><float name="radius" value="{}"/>
+          <bsdf type="diffuse"/><emitter type="area"><rgb name="radiance" value="4"/></emitter></shape>)",
+                                   place, size)
+                     : fmt::format(R"(<emitter type="point"><point name="position" {}/>
+          <rgb name="intensity" value="{}"/></emitter>)",
+                                   place, 0.01 * (1 + i % 3));
+    }
+    content += fmt::format(R"(<volume type="sphere">{}</volume>)",
+                           isConstant ? R"(<medium type="homogeneous"><rgb name="sigma_t" value="0.8"/></medium>)"
+                                      : R"(<medium type="ramp"><string name="distance" value="null"/>
+            <float name="at_zero" value="0.8"/><float name="slope" value="0.4"/><float name="most" value="1.5"/>
+            <rgb name="albedo" value="0.8"/></medium>)");
+    const TestSensor view{.target = "0, -0.2, 0", .fov = 16, .width = 8, .height = 8};
+    TestSensor other = view;
+    other.seed = 1;
+    const std::string depth = R"(<integer name="max_depth" value="3"/>)";
+    const TestScene with = loadScene(depth + R"(<float name="split_lights" value="0.05"/>)", view, content);
+    const TestScene without = loadScene(depth + R"(<float name="split_lights" value="0"/>)", other, content);
+    ASSERT_TRUE(with.scene()->splitsLights);
+    ASSERT_FALSE(without.scene()->splitsLights);
+    EXPECT_TRUE(showTheSame(*with.render(512), *without.render(1024), 0.02)) << isConstant;
+  }
+}
+
+constexpr const char* noLampDirections = R"(<boolean name="lamp_directions" value="false"/>)";
+
+/// Lamps of all kinds in a medium that scatters many times, forwards or not: directions towards them change no mean.
+TEST(LampsInMedia, DirectionsTowardsThemShowTheSame) {
+  const auto content = [](const std::string& lamp, const char* medium) {
+    return lamp + fmt::format(R"(<volume type="sphere">{}</volume>)", medium);
+  };
+  const std::string ball = R"(<shape type="sphere"><point name="center" x="0.1" y="0.3" z="-0.2"/>
+      <float name="radius" value="0.1"/><bsdf type="diffuse"/>
+      <emitter type="area"><rgb name="radiance" value="6, 3, 2"/></emitter></shape>)";
+  const std::string two = R"(<emitter type="constant"><rgb name="radiance" value="0.1"/></emitter>
+      <emitter type="point"><point name="position" x="0.4" y="0.5" z="0"/><rgb name="intensity" value="1, 0.5, 0.2"/></emitter>
+      <emitter type="point"><point name="position" x="-0.4" y="-0.2" z="0.1"/><rgb name="intensity" value="0.4"/></emitter>)";
+  constexpr const char* fog = R"(<medium type="homogeneous"><rgb name="sigma_t" value="1, 1.5, 2"/>
+      <rgb name="albedo" value="0.9, 0.8, 0.6"/></medium>)";
+  constexpr const char* forward = R"(<medium type="homogeneous"><rgb name="sigma_t" value="2"/>
+      <rgb name="albedo" value="0.9"/><float name="g" value="0.6"/></medium>)";
+  constexpr const char* ramp = R"(<medium type="ramp"><string name="distance" value="null"/>
+      <float name="at_zero" value="1"/><float name="slope" value="0.5"/><float name="most" value="2"/>
+      <rgb name="albedo" value="0.8"/></medium>)";
+  const std::string depth = R"(<integer name="max_depth" value="6"/><boolean name="hide_emitters" value="true"/>)";
+  const TestSensor view{.fov = 24, .width = 8, .height = 8};
+  TestSensor other = view;
+  other.seed = 1;
+  for (const auto& [lamp, medium] : {std::pair{ball, fog}, {two, forward}, {ball, ramp}, {two, fog}}) {
+    const TestScene with = loadScene(depth, view, content(lamp, medium));
+    const TestScene without = loadScene(depth + noLampDirections, other, content(lamp, medium));
+    ASSERT_FALSE(with.scene()->lampsInMedia.empty());
+    ASSERT_TRUE(without.scene()->lampsInMedia.empty());
+    EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(2048), 0.02)) << medium;
+  }
+}
+
+/// Outside of media, and without equiangular sampling, there are none.
+TEST(LampsInMedia, AreThoseThatStandInThem) {
+  const auto countOf = [](const std::string& integrator, const char* y) {
+    const TestScene scene =
+        loadScene(integrator, {.width = 4, .height = 4},
+                  fmt::format(R"(<emitter type="point"><point name="position" x="0" y="{}" z="0"/></emitter>
+          <volume type="sphere"><medium type="homogeneous"/></volume>)",
+                              y));
+    return scene.scene()->lampsInMedia.size();
+  };
+  EXPECT_EQ(countOf("", "0.5"), 1u);
+  EXPECT_EQ(countOf("", "1.5"), 0u);
+  EXPECT_EQ(countOf(noLampDirections, "0.5"), 0u);
+  EXPECT_EQ(countOf(R"(<boolean name="equiangular" value="false"/>)", "0.5"), 0u);
+}
+
+/// Light that is scattered up to 16 times.
+TEST(LampsInMediaVariance, IsSeveralTimesLessWithDirectionsTowardsThem) {
+  LampInFog lamp;
+  lamp.lampRadius = 0.01;
+  lamp.intensity = 5000;
+  const std::string depth = R"(<integer name="max_depth" value="16"/><boolean name="hide_emitters" value="true"/>)";
+  const TestSensor wholeBall{.fov = 24, .width = 16, .height = 16};
+  const TestScene with = loadScene(depth, wholeBall, lamp.xml(""));
+  const TestScene without = loadScene(depth + noLampDirections, wholeBall, lamp.xml(""));
+  const double ratio = meanVariance(*without.render(512)) / meanVariance(*with.render(512));
+  RecordProperty("ratio", fmt::format("{:.1f}", ratio));
+  EXPECT_GT(ratio, 2);
 }
 
 }  // namespace

@@ -74,5 +74,54 @@ TEST(GlowingMedia, AFurnaceStaysOne) {
   EXPECT_TRUE(shows(scene, *scene.render(1024), [](const Ray<World>&) { return Color(1.0f); }));
 }
 
+/// A fire at the floor of a room, as bounds of its shader tell where it may emit: against paths that meet it by chance.
+TEST(FireInARoom, LightsItWithAFractionOfTheNoise) {
+  const auto wall = [](const char* turn, const char* place) {
+    return fmt::format(
+        R"(<shape type="rectangle"><transform name="to_world">{}<scale value="2"/><translate {}/></transform>
+        <bsdf type="diffuse"/></shape>)",
+        turn, place);
+  };
+  const std::string room =
+      wall(R"(<rotate x="1" angle="-90"/>)", R"(y="-2")") + wall(R"(<rotate x="1" angle="90"/>)", R"(y="2")") +
+      wall(R"(<rotate y="1" angle="180"/>)", R"(z="2")") + wall(R"(<rotate y="1" angle="90"/>)", R"(x="-2")") +
+      wall(R"(<rotate y="1" angle="-90"/>)", R"(x="2")");
+  const std::string fire = R"(<volume type="sphere"><transform name="to_world"><scale value="0.3"/>
+      <translate x="0.3" y="-1.6"/></transform><medium type="ramp"><string name="distance" value="null"/>
+      <float name="at_zero" value="0.5"/><float name="slope" value="0.4"/><float name="most" value="1"/>
+      <rgb name="albedo" value="0"/><rgb name="glow" value="20"/></medium></volume>)";
+  const TestSensor view{.origin = "0, 0.5, -1.9", .target = "0, 0.8, 2", .fov = 50, .width = 12, .height = 8};
+  TestSensor other = view;
+  other.seed = 1;
+  const std::string depth = R"(<integer name="max_depth" value="4"/>)";
+  const TestScene with = loadScene(depth, view, room + fire);
+  const TestScene without = loadScene(depth + R"(<boolean name="volume_lights" value="false"/>)", other, room + fire);
+  ASSERT_TRUE(with.scene()->lights.hasVolumes());
+  ASSERT_FALSE(without.scene()->lights.hasVolumes());
+  const auto seen = with.render(256), met = without.render(1024);
+  // Few paths meet the fire by chance: pixels have no normal distribution, the mean over all of them has.
+  struct Sum {
+    double value = 0, variance = 0;
+  };
+  const auto sum = [&](const render::Film& film) {
+    Sum all;
+    for (int y = 0; y < view.height; ++y) {
+      for (int x = 0; x < view.width; ++x) {
+        const render::PixelEstimate p = film.estimate(x, y);
+        all.value += static_cast<double>(p.color.g);
+        all.variance += std::pow(static_cast<double>(p.standardError.g), 2);
+      }
+    }
+    return all;
+  };
+  const Sum sampled = sum(*seen), chance = sum(*met);
+  const double ratio = 4 * chance.variance / sampled.variance;
+  RecordProperty("ratio", fmt::format("{:.0f}", ratio));
+  EXPECT_GT(ratio, 40);
+  const double error = std::sqrt(sampled.variance + chance.variance);
+  EXPECT_LT(error, 0.05 * sampled.value);
+  EXPECT_NEAR(sampled.value, chance.value, maximumZ * error);
+}
+
 }  // namespace
 }  // namespace aerosol::test

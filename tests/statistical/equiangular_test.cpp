@@ -167,5 +167,78 @@ TEST(RayStretchesTest, TheLastOnesTakeInWhatHasNoRoom) {
   for (int i = 0; i < 10; ++i) EXPECT_GT(sampler.pdf(i + 0.25), 0);
 }
 
+/// Constant media one behind the other, a gap between them: the light that is left is part of the density.
+TEST(AttenuatedEquiangular, SamplesFollowTheDensityAndThatTheIntegrand) {
+  const std::array<std::array<double, 2>, 2> ends{{{0.5, 2}, {2.5, 4}}};
+  const std::array<volume::RayExtinction, 2> extinctions{
+      {{Color(0.4f, 0.8f, 1.6f), Color(0.3f, 0.6f, 1.2f)}, {Color(2.0f), Color(1.5f)}}};
+  RayStretches stretches;
+  for (std::size_t i = 0; i < 2; ++i) stretches.add(ends[i][0], ends[i][1], extinctions[i]);
+  ASSERT_TRUE(stretches.isKnown());
+  ASSERT_EQ(stretches.all().size(), 2u);
+  /// σs T, averaged over channels.
+  const auto left = [&](double t) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) {
+      double depth = 0, scattering = 0;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const auto sigma = static_cast<double>(extinctions[i].sigmaT[c]);
+        depth += sigma * std::clamp(t - ends[i][0], 0.0, ends[i][1] - ends[i][0]);
+        if (t >= ends[i][0] && t <= ends[i][1]) scattering = static_cast<double>(extinctions[i].sigmaS[c]);
+      }
+      sum += scattering * std::exp(-depth) / 3;
+    }
+    return sum;
+  };
+  constexpr int bins = 70, samples = 200000;
+  for (const auto& [projection, distance] :
+       {std::pair{-1.0, 0.3}, {1.2, 0.02}, {2.25, 0.5}, {3.0, 1e-3}, {20.0, 5.0}, {4.5, 0.0}}) {
+    const volume::AttenuatedEquiangularSampler sampler(stretches, projection, distance);
+    const auto integrand = [&](double t) {
+      return left(t) / (distance * distance + (t - projection) * (t - projection));
+    };
+    const double whole = integrate(integrand, 0.5, 2, 4000) + integrate(integrand, 2.5, 4, 4000);
+    EXPECT_NEAR(sampler.integral() / whole, 1, 0.25) << projection;
+    Uniforms random(seedOfTest(static_cast<std::uint64_t>(projection * 10 + 100)));
+    std::vector<double> observed(bins + 1), expected(bins + 1);
+    double worst = 0;
+    RunningMean estimate;
+    for (int i = 0; i < samples; ++i) {
+      const double t = sampler.sample(static_cast<double>(random.next()));
+      const double pdf = sampler.pdf(t);
+      ASSERT_GT(pdf, 0) << t;
+      ++observed[std::min(static_cast<std::size_t>(t * 20 - 10), static_cast<std::size_t>(bins))];
+      worst = std::max(worst, integrand(t) / pdf / whole);
+      estimate.add(integrand(t) / pdf);
+    }
+    EXPECT_TRUE(agrees(estimate, whole)) << projection;
+    EXPECT_LT(worst, 2.5) << projection;
+    for (int b = 0; b < bins; ++b) {
+      expected[static_cast<std::size_t>(b)] =
+          samples * integrate([&](double t) { return sampler.pdf(t); }, 0.5 + b / 20.0, 0.5 + (b + 1) / 20.0, 2000);
+    }
+    EXPECT_TRUE(countsAgree(observed, expected)) << projection;
+  }
+}
+
+/// What is not known of the way turns the attenuation off.
+TEST(AttenuatedEquiangular, NeedsToKnowTheWholeWay) {
+  const volume::RayExtinction fog{Color(1.0f), Color(0.5f)};
+  RayStretches overlapping;
+  overlapping.add(0, 2, fog);
+  overlapping.add(1, 3, fog);
+  EXPECT_FALSE(overlapping.isKnown());
+  EXPECT_EQ(overlapping.all().size(), 1u);
+  RayStretches varying;
+  varying.add(0, 1, fog);
+  varying.add(1, 2);
+  EXPECT_FALSE(varying.isKnown());
+  varying.add(3, 4, fog);
+  EXPECT_FALSE(varying.isKnown());
+  RayStretches endless;
+  endless.add(0, infinity, fog);
+  EXPECT_FALSE(endless.isKnown());
+}
+
 }  // namespace
 }  // namespace aerosol::test

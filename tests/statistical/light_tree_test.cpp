@@ -91,6 +91,78 @@ TEST(LightTree, FollowsItsProbabilitiesFromRays) {
   EXPECT_TRUE(followsItsProbabilities(tree, lights.size(), RayQuery{ray, endless}, seedOfTest(2)));
 }
 
+/// Every light is in one cluster of a cut, and each cluster's choices follow their probabilities.
+template <class Query>
+void expectACutOfAll(const LightTree& tree, std::size_t count, const Query& query, float threshold,
+                     std::uint64_t seed) {
+  const LightCut cut = tree.cut(query, threshold);
+  ASSERT_GE(cut.count, 1u);
+  ASSERT_LE(cut.count, LightCut::most);
+  constexpr int samples = 60000;
+  Uniforms random(seed);
+  std::vector<double> observed(count);
+  for (std::size_t k = 0; k < cut.count; ++k) {
+    for (int i = 0; i < samples; ++i) {
+      const auto choice = tree.chooseBelow(query, cut.nodes[k], random.next());
+      if (!choice) continue;
+      ++observed[choice->entry];
+      const float p = tree.probability(query, choice->entry, cut);
+      ASSERT_NEAR(p / choice->probability, 1, 1e-4f);
+    }
+  }
+  std::vector<double> expected(count);
+  double total = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const float p = tree.probability(query, i, cut);
+    ASSERT_TRUE(p >= 0 && p <= 1) << p;
+    total += static_cast<double>(p);
+    expected[i] = samples * static_cast<double>(p);
+  }
+  EXPECT_NEAR(total, static_cast<double>(cut.count), 0.05 * static_cast<double>(cut.count));
+  // What no cluster's choice finds fills up both sides.
+  observed.push_back(0);
+  expected.push_back(samples * (static_cast<double>(cut.count) - total));
+  double found = 0;
+  for (const double n : observed) found += n;
+  observed.back() = samples * static_cast<double>(cut.count) - found;
+  if (expected.back() < 5) observed.back() = expected.back() = 0;
+  EXPECT_TRUE(countsAgree(observed, expected));
+}
+
+TEST(LightTree, CutsHoldEveryLightOnce) {
+  const std::vector<LightBounds> lights = manyLights(700, seedOfTest());
+  const LightTree tree(lights);
+  for (const Point<World> p : {Point<World>(0, 0, 0), {0.5f, 0.5f, 0.5f}, {3, -1, 2}, {100, 0, 0}}) {
+    for (const float threshold : {0.5f, 0.1f, 0.0f}) {
+      expectACutOfAll(tree, lights.size(), PointQuery{p}, threshold, seedOfTest(2));
+    }
+  }
+  Ray<World> ray;
+  ray.origin = {-4, 0.1f, 0.2f};
+  ray.direction = normalize(Vector<World>(1, 0.1f, -0.05f));
+  volume::RayStretches stretches;
+  stretches.add(2, 7);
+  expectACutOfAll(tree, lights.size(), RayQuery{ray, stretches}, 0.05f, seedOfTest(3));
+}
+
+/// The lower the threshold the more clusters; one where nothing is to be gained.
+TEST(LightTree, SplitsWhereItMatters) {
+  const std::vector<LightBounds> lights = manyLights(700, seedOfTest());
+  const LightTree tree(lights);
+  const auto countAt = [&](Point<World> p, float threshold) { return tree.cut(PointQuery{p}, threshold).count; };
+  const Point<World> among(0.1f, 0.1f, 0.1f);
+  EXPECT_EQ(countAt(among, neverSplit), 1u);
+  EXPECT_EQ(countAt(among, 0.0f), LightCut::most);
+  EXPECT_GE(countAt(among, 0.1f), countAt(among, 0.4f));
+  EXPECT_GT(countAt(among, 0.1f), 1u);
+  // From far away, lights of the same strength are as good as one.
+  std::vector<LightBounds> alike = lights;
+  for (LightBounds& light : alike) light.intensity = 1;
+  const LightTree even(alike);
+  EXPECT_EQ(even.cut(PointQuery{{100, 0, 0}}, 0.1f).count, 1u);
+  EXPECT_GT(even.cut(PointQuery{among}, 0.1f).count, 1u);
+}
+
 /// A light whose normal, from some place of its box, is turned to the point has a positive probability.
 TEST(LightTree, ForgetsNoLightThatCanBeSeen) {
   const std::vector<LightBounds> lights = manyLights(2000, seedOfTest());
@@ -177,6 +249,40 @@ TEST_F(ManyPoints, AllTheirLightArrives) {
   EXPECT_TRUE(agrees(arriving, truth));
 }
 
+TEST_F(ManyPoints, AllTheirLightArrivesWhereClustersAreSplit) {
+  for (const Point<World> from : {Point<World>(0.3f, 2.5f, -0.4f), {0.2f, 0.1f, 0.3f}}) {
+    double truth = 0.5 * 4 * std::numbers::pi;
+    for (std::size_t i = 0; i < positions_.size(); ++i) {
+      const Vector<World> d = positions_[i] - from;
+      truth += static_cast<double>(intensities_[i]) / static_cast<double>(dot(d, d));
+    }
+    Uniforms random(seedOfTest(static_cast<std::uint64_t>(from.y * 10)));
+    RunningMean single, split;
+    std::uint64_t picked = 0;
+    for (int i = 0; i < 200000; ++i) {
+      const float u = random.next();
+      const std::array<float, 2> place = random.next2D();
+      const auto light = [&](const LightSet::Picks& picks) {
+        double sum = 0;
+        for (std::size_t k = 0; k < picks.count; ++k) {
+          const auto choice = set_.choose(picks, k, from);
+          if (!choice) continue;
+          const auto s = set_.sample(choice->id(), from, {random.next(), place});
+          if (s) sum += static_cast<double>(s->value.g / (s->pdf * choice->probability));
+        }
+        return sum;
+      };
+      const LightSet::Picks picks = set_.pick(from, u, 0.05f);
+      picked += picks.count;
+      split.add(light(picks));
+      single.add(light(set_.pick(from, u, neverSplit)));
+    }
+    EXPECT_GT(picked, 400000u);
+    EXPECT_TRUE(agrees(split, truth));
+    EXPECT_LT(split.variance(), 0.6 * single.variance());
+  }
+}
+
 /// E[f / density] over the choices is the sum over the lights of ∫ f along the ray, wherever every light may be chosen.
 TEST_F(ManyPoints, TheChoiceAlongARayHasItsDensity) {
   Ray<World> ray;
@@ -185,7 +291,8 @@ TEST_F(ManyPoints, TheChoiceAlongARayHasItsDensity) {
   volume::RayStretches stretches;
   stretches.add(2, 5);
   stretches.add(6, 8);
-  const LightsAlongRay lights(set_, ray, stretches, true);
+  const LightsAlongRay lights(set_, ray, stretches, LightChoice::equiangular);
+  const LightsAlongRay split(set_, ray, stretches, LightChoice::equiangular, 0.05f);
   const auto falloff = [&](LightId id, double t) {
     const LightPlace place = *set_.placeOf(id);
     const Vector<World> d = place.centre - ray.at(static_cast<float>(t));
@@ -199,15 +306,25 @@ TEST_F(ManyPoints, TheChoiceAlongARayHasItsDensity) {
     truth += test::integrate(f, 2, 5, 400) + test::integrate(f, 6, 8, 400);
   }
   Uniforms random(seedOfTest(1));
-  RunningMean sum;
+  RunningMean sum, splitSum;
   for (int i = 0; i < 400000; ++i) {
-    const auto choice = lights.choose(random.next2D());
-    if (choice) {
-      ASSERT_NEAR(lights.density(choice->light, choice->t) / choice->density, 1, 1e-3);
-    }
-    sum.add(choice ? falloff(choice->light, choice->t) / choice->density : 0);
+    const std::array<float, 2> u = random.next2D();
+    const auto valueOf = [&](const LightsAlongRay& from, std::size_t index) {
+      const auto choice = from.choose(u, index);
+      if (!choice) return 0.0;
+      EXPECT_NEAR(from.density(choice->light, choice->t) / choice->density, 1, 1e-3);
+      return falloff(choice->light, choice->t) / choice->density;
+    };
+    sum.add(valueOf(lights, 0));
+    double all = 0;
+    for (std::size_t k = 0; k < split.count(); ++k) all += valueOf(split, k);
+    splitSum.add(all);
   }
+  EXPECT_EQ(lights.count(), 1u);
+  EXPECT_GT(split.count(), 2u);
   EXPECT_TRUE(agrees(sum, truth, 0.01));
+  EXPECT_TRUE(agrees(splitSum, truth, 0.01));
+  EXPECT_LT(splitSum.variance(), 0.7 * sum.variance());
 }
 
 /// A mesh that shines, triangle by triangle.

@@ -329,6 +329,12 @@ class EffectList {
     add("russian-roulette", plays,
         plays ? fmt::format("from path length {}", integrator.rrDepth) : "no path gets long enough for it",
         countOf(Work::roulette));
+    const bool knows = !scene_.contributions.isEmpty();
+    add("contribution-roulette", knows,
+        knows ? "by what paths may still bring to their pixels, as a small render tells"
+              : "roulette goes by throughput: no media scatter many times, or the picture is small, or the scene asks "
+                "for it",
+        countOf(Work::contribution));
     add(
         "ray-tracing", true, formatCount(scene_.objects.size() + scene_.volumes.size(), "object"),
         [](const WorkerStatistics& s) { return s.accel.closestHitQueries + s.accel.occlusionQueries; },

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/app/plan/effects.h"
@@ -97,16 +99,45 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
                      isTree,
                      countOf(render::Work::lightTree),
                      {}});
+  effects.push_back({"light-splitting",
+                     scene.splitsLights ? fmt::format("clusters are split while one's spread is {:.3g} of the light",
+                                                      scene.path.splitThreshold)
+                     : isTree           ? "the scene or the command line turns it off"
+                                        : "there is no hierarchy of lights",
+                     scene.splitsLights,
+                     countOf(render::Work::lightSplitting),
+                     {}});
   const bool mayScatter = std::ranges::any_of(scene.media, &volume::Medium::mayScatter);
-  const bool isEquiangular = scene.path.equiangular && mayScatter && !scene.lights.placed().empty();
+  const bool mayChoose = mayScatter && !scene.lights.placed().empty();
+  const bool isTabulated = mayChoose && scene.lightChoice == render::LightChoice::tabulated;
+  const bool isEquiangular = mayChoose && scene.lightChoice == render::LightChoice::equiangular;
   effects.push_back({"equiangular-sampling",
                      isEquiangular              ? "distances in media are also sampled for lights beside the ray"
+                     : isTabulated              ? "lights are tabulated instead"
                      : !scene.path.equiangular  ? "the scene or the command line turns it off"
                      : !mayScatter              ? "no medium scatters"
                      : scene.lights.size() == 0 ? "there are no lights"
                                                 : "all lights are infinitely far away",
                      isEquiangular,
                      countOf(render::Work::chosenDistance),
+                     {}});
+  effects.push_back({"joint-lights",
+                     isTabulated               ? "distances in media are also sampled from tables of media and lights"
+                     : !scene.path.jointLights ? "not asked for"
+                     : !mayChoose              ? "no light is somewhere near rays through media that scatter"
+                                               : "some medium is not marched",
+                     isTabulated,
+                     countOf(render::Work::tabulatedLight),
+                     {}});
+  const bool followsLamps = !scene.lampsInMedia.empty();
+  effects.push_back({"lamp-directions",
+                     followsLamps ? "directions are also chosen towards " +
+                                        formatCount(scene.lampsInMedia.size(), "lamp") + " in media"
+                     : !scene.path.equiangular    ? "only with equiangular sampling"
+                     : !scene.path.lampDirections ? "the scene or the command line turns it off"
+                                                  : "few lamps in media that scatter would call for it",
+                     followsLamps,
+                     countOf(render::Work::lampDirection),
                      {}});
   for (const scene::Volume& volume : description.volumes) {
     if (!volume.controls.lights.empty()) linked.add(volume.type, volume.origin.location);

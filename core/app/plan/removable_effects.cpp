@@ -68,12 +68,18 @@ const std::vector<RemovableEffect>& removableEffects() {
        }},
       {"equiangular-sampling", "the same image in the mean; more noise around lights in media",
        [](SceneDescription& d) { d.integrator.equiangular = false; }},
+      {"light-splitting", "the same image in the mean; one of many lights is sampled at a point, with more noise",
+       [](SceneDescription& d) { d.integrator.splitLights = 0; }},
+      {"lamp-directions", "the same image in the mean; more noise of light that lamps in media scatter twice or more",
+       [](SceneDescription& d) { d.integrator.lampDirections = false; }},
       {"multiple-scattering", "light is scattered once at most: clouds get darker",
        [](SceneDescription& d) {
          d.integrator.maxDepth = d.integrator.maxDepth < 0 ? 2 : std::min(2, d.integrator.maxDepth);
        }},
       {"russian-roulette", "paths go on to max_depth: the same image in the mean, at another cost",
        [](SceneDescription& d) { d.integrator.rrDepth = std::numeric_limits<int>::max(); }},
+      {"contribution-roulette", "roulette goes by throughput: the same image in the mean",
+       [](SceneDescription& d) { d.integrator.roulette = scene::Roulette::throughput; }},
       {"derivatives", "what shaders see has no size: textures are not filtered, fine patterns not smoothed",
        [](SceneDescription& d) { d.integrator.footprints = false; }},
       {"level-of-detail", "all see the voxels that are in the files: no bias, and more memory is read",

@@ -86,6 +86,7 @@ class Submission {
     if (r.loopBudget != RenderArguments().loopBudget)
       words.insert(words.end(), {"--loop-budget", std::to_string(r.loopBudget)});
     for (const scene::AovRequest& aov : r.aovs) words.insert(words.end(), {"--aov", aov.name + "=" + aov.quantity});
+    if (r.jointLights) words.push_back("--joint-lights");
     if (!r.plan.empty()) words.insert(words.end(), {"--plan", fs::absolute(r.plan).string()});
     return words;
   }

@@ -141,6 +141,7 @@ void addLights(Preparation& state) {
   }
   std::vector<std::uint32_t> glowing;
   for (const volume::Medium& medium : state.scene->media) {
+    if (!state.description.integrator.volumeLights) break;
     const shading::InstanceRef shader = state.scene->mediumShaders[medium.index];
     const std::optional<Box<Object>>& domain = state.placements[medium.index].place.domain;
     std::unique_ptr<const Light> glow;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/volume/distance_sample.h"
+#include "core/volume/light_columns.h"
 #include "core/volume/trackers/channels.h"
 
 namespace aerosol::volume {
@@ -116,14 +117,57 @@ class MarchingTable {
   template <UniformSource R>
   void find(GivenDistance& given, R& random) const {
     if (given.t >= end()) return given.pass(transmittance(), passProbability());
-    const auto behind =
-        std::upper_bound(cells_.begin(), cells_.end(), given.t, [](double t, const Cell& each) { return t < each.t; });
-    const Cell& cell = behind == cells_.begin() ? *behind : *(behind - 1);
+    const Cell& cell = cellAt(given.t);
     const std::array<double, 3> transmittance = at(cell, given.t);
     const double sum = scattering_ + passing();
     given.sample.t = given.t;
     given.sample.choicePdf *= sum > 0 ? density(cell, transmittance) / sum : 0;
     chooseLobe(cell, given.sample.weight * toColor(transmittance), random.next(), given.sample);
+  }
+
+  /// Takes the table's cells into what tabulated lights choose from. `left` is the light left where the table begins,
+  /// `passed` the probability with which the tracker comes there.
+  template <UniformSource R>
+  void tabulate(TabulatedLight& lights, Color left, double passed, R& random) const {
+    const double before = static_cast<double>(channels_->mix(abs(left)));
+    const LightColumns& columns = *lights.columns;
+    light_.clear();
+    double sum = 0;
+    for (const Cell& cell : cells_) {
+      const double scale = before * meanScattering(cell);
+      for (std::size_t i = 0; i < columns.count; ++i) {
+        const LightColumn& column = columns.columns[i];
+        // Where the light stands in the cell itself, without any extent, there is no mass that could be sampled.
+        const double mass = scale > 0 && column.intensity > 0
+                                ? scale * column.intensity * column.over(cell.t, cell.t + cell.length).integral
+                                : 0;
+        sum += std::isfinite(mass) ? mass : 0;
+        light_.push_back(sum);
+      }
+    }
+    if (!(sum > 0) || !std::isfinite(sum)) return;
+    lights.mass += sum;
+    if (!(static_cast<double>(random.next()) * lights.mass < sum)) return;
+    const double wanted = static_cast<double>(lights.u[0]) * sum;
+    const auto place =
+        static_cast<std::size_t>(std::upper_bound(light_.begin(), light_.end(), wanted) - light_.begin());
+    const std::size_t chosen = std::min(place, light_.size() - 1);
+    const Cell& cell = cells_[chosen / columns.count];
+    lights.column = chosen % columns.count;
+    const LightColumn& column = columns.columns[lights.column];
+    const double t =
+        column.projection + column.over(cell.t, cell.t + cell.length).sample(static_cast<double>(lights.u[1]));
+    const std::array<double, 3> transmittance = at(cell, t);
+    const double total = scattering_ + passing();
+    lights.scale = before * meanScattering(cell);
+    lights.found = {};
+    lights.found.t = t;
+    lights.found.choicePdf = total > 0 ? passed * density(cell, transmittance) / total : 0;
+    chooseLobe(cell, left * toColor(transmittance), random.next(), lights.found);
+  }
+  /// What `tabulate` calls scale, of a place within the table.
+  double lightScaleAt(double t, Color left) const {
+    return static_cast<double>(channels_->mix(abs(left))) * meanScattering(cellAt(t));
   }
 
  private:
@@ -138,6 +182,17 @@ class MarchingTable {
     const Medium* medium = nullptr;
     Lobe lobe;
   };
+
+  const Cell& cellAt(double t) const {
+    const auto behind = std::upper_bound(cells_.begin(), cells_.end(), t,
+                                         [](double place, const Cell& each) { return place < each.t; });
+    return behind == cells_.begin() ? *behind : *(behind - 1);
+  }
+  /// The mean of mix(σs T) over a cell.
+  double meanScattering(const Cell& cell) const {
+    const double before = &cell == cells_.data() ? 0 : (&cell - 1)->scattering;
+    return std::isfinite(cell.length) && cell.length > 0 ? (cell.scattering - before) / cell.length : 0;
+  }
 
   static Color toColor(const std::array<double, 3>& v) {
     return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
@@ -196,6 +251,7 @@ class MarchingTable {
   const ChannelMixture* channels_ = nullptr;
   std::vector<Cell> cells_;
   std::vector<PlacedLobe> lobes_;
+  mutable std::vector<double> light_;  ///< Sums of masses of tabulated lights, cell by cell; scratch.
   std::array<double, 3> transmittance_{}, fraction_{}, emission_{};
   double scattering_ = 0;
 };

@@ -40,6 +40,9 @@ struct MarchingCells {
 inline constexpr int firstGroup = 8;     ///< Cells asked for at once, at first,
 inline constexpr int largestGroup = 64;  ///< and at most.
 
+/// Behind where less of the light is left, lights are not tabulated: what scatters there samples them by itself.
+inline constexpr float leastTabulated = 1e-4f;
+
 /// The outcomes of one marched segment: of the tracker's own distance, and of a given one.
 template <UniformSource R>
 class MarchedOutcome {
@@ -55,15 +58,22 @@ class MarchedOutcome {
   /// Decides over the cells so far. False when the rest of the segment is of no interest to anyone.
   bool close(const Segment& segment) {
     if (table_.isEmpty()) return true;
-    if (given_ && given_->concerns(segment)) {
+    const Color before = given_ ? given_->sample.weight : Color();
+    const bool finds = given_ && given_->concerns(segment);
+    if (finds) {
+      if (given_->lights) table_.tabulate(*given_->lights, before, given_->sample.choicePdf, random_);
       table_.find(*given_, random_);
       Color& left = given_->sample.weight;
-      if (given_->isOpen() && !survivesTrackerRoulette(left, channels_.mix(abs(left)), random_)) given_->end();
+      // With roulette what one technique finds would depend on what became of the other.
+      if (given_->lights && channels_.mix(abs(left)) < leastTabulated) given_->end();
+      if (!given_->lights && given_->isOpen() && !survivesTrackerRoulette(left, channels_.mix(abs(left)), random_))
+        given_->end();
     }
     if (tracks_) {
       sample_.emission += sample_.weight * table_.emission();
       table_.sample(static_cast<double>(random_.next()), random_, sample_);
       tracks_ = sample_.event == DistanceEvent::passed;
+      if (finds && given_->lights && !tracks_) sample_.lightScale = table_.lightScaleAt(sample_.t, before);
     }
     table_.begin(channels_);
     return tracks_ || (given_ && given_->concerns(segment));
@@ -90,8 +100,15 @@ Task<DistanceSample> sampleByMarching(E& evaluator, Ray<World> ray, Segment segm
   SegmentWalk walk(segment, ray, evaluator.frames());
   for (double t = segment.t0;;) {
     if (walk.isKnown()) {
-      table.add(walk.known(), t, walk.end() - t);
-      walk.forKnown([&](const Medium& medium, const Coefficients& known) { table.addLobes(medium, known); });
+      // For tabulated lights the light that is left must not fall by much within a cell.
+      const double depth = static_cast<double>(maximum(walk.known().sigmaT)) * (walk.end() - t);
+      const int parts =
+          given && given->lights && std::isfinite(depth) ? 1 + static_cast<int>(std::min(2 * depth, 31.0)) : 1;
+      const double part = (walk.end() - t) / parts;
+      for (int i = 0; i < parts; ++i) {
+        table.add(walk.known(), t + i * part, part);
+        walk.forKnown([&](const Medium& medium, const Coefficients& known) { table.addLobes(medium, known); });
+      }
       if (table.isFull() && !outcome.close(segment)) co_return outcome.sample();
       t = walk.end();
     } else {

@@ -48,7 +48,11 @@ class Renderer {
   }
 
   std::string choices() const {
-    std::string text = scene_.description().integrator.equiangular ? "" : "no equiangular; ";
+    const scene::Integrator& integrator = scene_.description().integrator;
+    std::string text = integrator.equiangular ? "" : "no equiangular; ";
+    if (integrator.jointLights) text += "joint lights; ";
+    if (!scene_.scene()->contributions.isEmpty()) text += "roulette by contribution; ";
+    if (!scene_.scene()->lampsInMedia.empty()) text += "directions towards lamps; ";
     for (const std::string& reason : scene_.scene()->samplingReasons) text += reason + "; ";
     return text;
   }

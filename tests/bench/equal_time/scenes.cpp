@@ -14,6 +14,7 @@ std::string word(const char* parameter, const char* value) {
   return fmt::format(R"(<string name="{}" value="{}"/>)", parameter, value);
 }
 std::string steps(double scale) { return fmt::format(R"(<float name="step_scale" value="{}"/>)", scale); }
+const std::string plainRoulette = word("roulette", "throughput");
 const std::string noEquiangular = R"(<boolean name="equiangular" value="false"/>)";
 
 const std::string sunAndSky = R"(
@@ -46,6 +47,8 @@ std::string manyElements() {
 const std::vector<Method>& allMethods() {
   static const std::vector<Method> methods{
       {automaticName, ""},
+      {"roulette by throughput", plainRoulette},
+      {"no directions towards lamps", R"(<boolean name="lamp_directions" value="false"/>)"},
       {"null scattering", word("distance", "null")},
       {"null scattering, relaxed bounds", word("distance", "relaxed")},
       {"decomposition tracking", word("distance", "decomposition")},
@@ -56,9 +59,9 @@ const std::vector<Method>& allMethods() {
       {"marching", word("distance", "marching")},
       {"marching, steps of 4", word("distance", "marching") + steps(4)},
       {"marching, ratio tracking to lights", word("distance", "marching") + word("transmittance", "ratio")},
-      {simplestName, word("distance", "delta") + word("transmittance", "ratio") + noEquiangular},
+      {simplestName, word("distance", "delta") + word("transmittance", "ratio") + noEquiangular + plainRoulette},
       {"simplest, delta tracking to lights",
-       word("distance", "delta") + word("transmittance", "delta") + noEquiangular},
+       word("distance", "delta") + word("transmittance", "delta") + noEquiangular + plainRoulette},
   };
   return methods;
 }

@@ -137,6 +137,10 @@ void compareLights(std::uint32_t samples, std::uint32_t many) {
     print("transmittance alone", measure(lit, hidden + R"(<boolean name="equiangular" value="false"/>)", samples),
           reference);
     print("and distances for the light", measure(lit, hidden, samples), reference);
+    print("and directions towards lamps left out",
+          measure(lit, hidden + R"(<boolean name="lamp_directions" value="false"/>)", samples), reference);
+    print("joint table of media and lights",
+          measure(lit, hidden + R"(<boolean name="joint_lights" value="true"/>)", samples), reference);
   }
 }
 

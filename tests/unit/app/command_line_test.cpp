@@ -117,11 +117,12 @@ TEST(CommandLine, ReadsEveryRenderOption) {
   EXPECT_EQ(arguments.seed, 7);
   EXPECT_EQ(arguments.crop, (Crop{1, 2, 30, 40}));
   EXPECT_EQ(arguments.distance, scene::DistanceSampling::nullScattering);
-  const RenderArguments other =
-      render({"--distance", "relaxed", "--transmittance", "two_combs", "--no-equiangular", "--plan", "a.exr"});
+  const RenderArguments other = render({"--distance", "relaxed", "--transmittance", "two_combs", "--no-equiangular",
+                                        "--joint-lights", "--plan", "a.exr"});
   EXPECT_EQ(other.distance, scene::DistanceSampling::relaxed);
   EXPECT_EQ(other.transmittance, scene::TransmittanceSampling::twoCombs);
   EXPECT_TRUE(other.noEquiangular);
+  EXPECT_TRUE(other.jointLights);
   EXPECT_EQ(other.plan, "a.exr");
   EXPECT_EQ(arguments.stepScale, 0.5f);
   EXPECT_EQ(arguments.threads, 3);
@@ -163,9 +164,11 @@ TEST(CommandLine, KnowsHelpAndVersion) {
 
 TEST(CommandLine, HelpNamesEveryOptionOnce) {
   const std::string help = commandHelp("render");
-  for (const char* option : {"--output", "--define", "--set", "--spp", "--threads", "--crop", "--seed", "--quiet",
-                             "--shader-path", "--width", "--isa", "--stats", "--count-lanes", "--no-cache",
-                             "--distance", "--step-scale", "--transmittance", "--no-equiangular", "--plan"}) {
+  for (const char* option :
+       {"--output",       "--define",   "--set",         "--spp",        "--threads",       "--crop",
+        "--seed",         "--quiet",    "--shader-path", "--width",      "--isa",           "--stats",
+        "--count-lanes",  "--no-cache", "--distance",    "--step-scale", "--transmittance", "--no-equiangular",
+        "--joint-lights", "--plan"}) {
     EXPECT_THAT(help, HasSubstr(option));
   }
   EXPECT_THAT(commandHelp(""), HasSubstr("Exit codes"));

@@ -1,0 +1,78 @@
+#include "tests/render/film_checks.h"
+
+// Russian roulette by what paths may still bring: no mean changes, whatever the pilot has seen, and no weight explodes.
+
+namespace aerosol::test {
+namespace {
+
+constexpr const char* byContribution = R"(<string name="roulette" value="contribution"/>)";
+constexpr const char* byThroughput = R"(<string name="roulette" value="throughput"/>)";
+const TestSensor view{.fov = 26, .width = 12, .height = 12};
+
+TEST(ContributionRoulette, ShowsTheSame) {
+  const std::string lamp = R"(<emitter type="point"><point name="position" x="0.3" y="0.4" z="0"/>
+      <rgb name="intensity" value="1, 0.6, 0.3"/></emitter>)";
+  const std::string ground = R"(<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/>
+      <scale value="3"/><translate y="-1"/></transform><bsdf type="diffuse"/></shape>)";
+  const std::string fog = R"(<volume type="sphere"><medium type="homogeneous"><rgb name="sigma_t" value="3, 4, 5"/>
+      <rgb name="albedo" value="0.95, 0.8, 0.6"/></medium></volume>)";
+  const std::string smoke = R"(<volume type="sphere"><medium type="ramp"><string name="distance" value="null"/>
+      <float name="at_zero" value="3"/><float name="slope" value="2"/><float name="most" value="5"/>
+      <rgb name="albedo" value="0.9"/></medium></volume>)";
+  const std::string depth = R"(<integer name="max_depth" value="24"/>)";
+  TestSensor other = view;
+  other.seed = 1;
+  for (const std::string& content : {lamp + fog, lamp + smoke + ground}) {
+    const TestScene with = loadScene(depth + byContribution, view, content);
+    const TestScene without = loadScene(depth + byThroughput, other, content);
+    ASSERT_FALSE(with.scene()->contributions.isEmpty());
+    ASSERT_TRUE(without.scene()->contributions.isEmpty());
+    EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(1024), 0.02));
+  }
+}
+
+/// White fog in an even light cannot be seen.
+TEST(ContributionRoulette, LosesNothingInAFurnace) {
+  const TestScene scene =
+      loadScene(byContribution, view, R"(<emitter type="constant"><rgb name="radiance" value="1"/></emitter>
+      <volume type="sphere"><medium type="homogeneous"><rgb name="sigma_t" value="8"/><rgb name="albedo" value="1"/></medium></volume>)");
+  ASSERT_FALSE(scene.scene()->contributions.isEmpty());
+  EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return Color(1.0f); }));
+}
+
+/// A small bright lamp that hardly any path of the pilot sees: what survives has no more weight than the limit allows.
+TEST(ContributionRoulette, MakesNoFirefliesOfWhatThePilotMissed) {
+  const std::string content = R"(<emitter type="constant"><rgb name="radiance" value="0.01"/></emitter>
+      <shape type="sphere"><point name="center" x="0" y="2" z="0"/><float name="radius" value="0.05"/>
+        <emitter type="area"><rgb name="radiance" value="2000"/></emitter></shape>
+      <shape type="cube"><transform name="to_world"><scale x="0.6" y="0.02" z="0.6"/><translate y="1.2"/></transform>
+        <bsdf type="diffuse"/></shape>
+      <volume type="sphere"><medium type="homogeneous"><rgb name="sigma_t" value="3"/>
+        <rgb name="albedo" value="0.9"/></medium></volume>)";
+  const auto worst = [&](const char* roulette) {
+    const TestScene scene =
+        loadScene(std::string(R"(<integer name="max_depth" value="40"/>)") + roulette, view, content);
+    const auto film = scene.render(256);
+    double sum = 0;
+    for (int y = 0; y < view.height; ++y) {
+      for (int x = 0; x < view.width; ++x)
+        sum += std::pow(static_cast<double>(film->estimate(x, y).standardError.g), 2);
+    }
+    return sum;
+  };
+  EXPECT_LT(worst(byContribution), 2 * worst(byThroughput));
+}
+
+/// The pilot is the same whatever renders it.
+TEST(ContributionRoulette, DoesNotDependOnThreadsOrBatches) {
+  const std::string content = R"(<emitter type="constant"/><volume type="sphere"><medium type="homogeneous">
+      <rgb name="sigma_t" value="4"/><rgb name="albedo" value="0.8"/></medium></volume>)";
+  const TestScene scene = loadScene(byContribution, view, content), again = loadScene(byContribution, view, content);
+  const auto one = scene.film(), other = again.film();
+  scene.renderInto(*one, {.threads = 1, .endSample = 16});
+  again.renderInto(*other, {.threads = 3, .endSample = 16, .pathsInFlight = 7, .batchSize = 5});
+  EXPECT_EQ(one->rgba(), other->rgba());
+}
+
+}  // namespace
+}  // namespace aerosol::test
