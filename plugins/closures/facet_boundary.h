@@ -115,7 +115,7 @@ class FacetBoundary {
   bool isSmooth() const { return std::max(model_.alphaX, model_.alphaY) < 1e-3f || std::fabs(model_.eta - 1) < 1e-3f; }
 
   /// What facets leave of the light that meets one of them. Where the model reflects more than a dielectric, a mixture
-  /// of that with mirrors; where it reflects less, one with facets that let everything through.
+  /// of that with mirrors; one that reflects less loses about as much.
   float keptOnce() const {
     const BoundaryAlbedo once =
         boundaryAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), model_.eta, viewer_);
@@ -123,12 +123,9 @@ class FacetBoundary {
       if (!hasOwnCurve()) return once.reflected + once.transmitted;
       const float own = model_.reflectance(viewer_.z), fresnel = fresnelDielectric(viewer_.z, model_.eta);
       const float kept = once.reflected + once.transmitted;
-      if (own >= fresnel) {
-        const float mirror = mirrorAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), viewer_);
-        return fresnel < 1 ? kept + (mirror - kept) * (own - fresnel) / (1 - fresnel) : kept;
-      }
-      const float passed = fresnel < 0.999f ? std::min(once.transmitted / (1 - fresnel), 1.0f) : 1;
-      return kept + (passed - kept) * (fresnel - own) / fresnel;
+      if (!(own > fresnel)) return kept;
+      const float mirror = mirrorAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), viewer_);
+      return kept + (mirror - kept) * (own - fresnel) / (1 - fresnel);
     }
     return once.reflected + once.transmitted;
   }
