@@ -65,7 +65,8 @@ std::string describe(const Difference& d) {
   std::string text = std::fabs(d.ofMean) > 3 * d.errorOfMean ? fmt::format("{} {} in the mean {}", percentOf(d.ofMean),
                                                                            d.ofMean < 0 ? "darker" : "brighter", error)
                                                              : fmt::format("as bright as before in the mean {}", error);
-  if (d.ofPixels > 0.01) text += fmt::format("; pixels differ by {} beyond their noise", percentOf(d.ofPixels));
+  if (d.ofPixels > 0.01)
+    text += fmt::format("; pixels differ by {} of the mean (rms, noise taken off)", percentOf(d.ofPixels));
   return text;
 }
 
