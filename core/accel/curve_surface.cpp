@@ -140,10 +140,6 @@ bool isOwnStart(const CurveSurface& surface, std::uint32_t segment, const Double
   return t * length(ray.direction) < static_cast<double>(radius) * 0x1p-7;
 }
 
-bool entersAt(const CurveSurface& surface, std::uint32_t segment, const DoubleRay& ray, double t) {
-  return dot(ray.direction, footOf(surface, segment, ray, t).normal) < 0;
-}
-
 SurfaceHit describeHit(const CurveSurface& surface, std::uint32_t segment, const DoubleRay& ray, double t) {
   const Foot foot = footOf(surface, segment, ray, t);
   const Axis& axis = foot.axis;
@@ -155,7 +151,7 @@ SurfaceHit describeHit(const CurveSurface& surface, std::uint32_t segment, const
   hit.object = surface.object;
   hit.primitive = segment;
   hit.passThrough = surface.passThrough;
-  hit.entering = dot(ray.direction, foot.normal) < 0;
+  hit.entering = true;
   hit.point = toFloat<Point<World>>(axis.centre + foot.outward * axis.radius);
   hit.geometricNormal = hit.shadingNormal = toFloat<Normal<World>>(foot.normal);
   const double angle = std::atan2(dot(foot.outward, side), dot(foot.outward, around)) / (2 * std::numbers::pi);

@@ -17,10 +17,7 @@ struct CurveSurface {
 /// Whether a hit that Embree tells of is the surface that the ray begins on: its distances on fibres have errors.
 bool isOwnStart(const CurveSurface& surface, std::uint32_t segment, const DoubleRay& ray, double t);
 
-/// Whether the ray comes from the outside at distance t.
-bool entersAt(const CurveSurface& surface, std::uint32_t segment, const DoubleRay& ray, double t);
-
-/// Everything about the hit at distance t. u runs around the fibre, v along it.
+/// Everything about the hit at distance t, which is from outside. u runs around the fibre, v along it.
 SurfaceHit describeHit(const CurveSurface& surface, std::uint32_t segment, const DoubleRay& ray, double t);
 
 }  // namespace aerosol::accel

@@ -368,7 +368,7 @@ void acceptShadowCurve(const RTCFilterFunctionNArguments* arguments) {
   const auto& surface = *static_cast<const CurveSurface*>(arguments->geometryUserPtr);
   const std::uint32_t segment = RTCHitN_primID(arguments->hit, arguments->N, 0);
   const auto t = static_cast<double>(RTCRayN_tfar(arguments->ray, arguments->N, 0));
-  const auto entering = [&] { return entersAt(surface, segment, query.exactRay(), t); };
+  const auto entering = [] { return true; };
   if (leavesFibre(arguments, query.exactRay()) || isOwnStart(surface, segment, query.exactRay(), t) ||
       !query.offerShadow({t, surface.passThrough, surface.object, segment}, entering)) {
     arguments->valid[0] = 0;
