@@ -76,8 +76,8 @@ TEST(RefinedMesh, OfCurvedShapesLiesOnThem) {
     EXPECT_NEAR(std::sin(turn) * rho, p.y, 1e-5);
   }
   CurvedMesh tube = makeCylinderMesh();
-  for (const Point<World>& p : refinedAtRandom(tube.mesh, tube.bend, 4, 1).mesh().positions)
-    EXPECT_NEAR(std::hypot(p.x, p.y), 1, 1e-6);
+  const TriangleMesh pipe = refinedAtRandom(tube.mesh, tube.bend, 4, 1).take();
+  for (const Point<World>& p : pipe.positions) EXPECT_NEAR(std::hypot(p.x, p.y), 1, 1e-6);
   CurvedMesh disk = makeDiskMesh();
   const TriangleMesh flat = refinedAtRandom(disk.mesh, disk.bend, 5, 1).take();
   double area = 0;

@@ -51,7 +51,7 @@ TEST(ContributionMapTest, DoesNotDependOnTheOrderOfPaths) {
 
 TEST(ContributionMapTest, SurvivalIsWhatIsBroughtOfWhatIsWanted) {
   const ContributionMap map(somePaths(), 32, 32, 320, 320);
-  const Point<World> place(0.5f, 0.5f, 0.5f);
+  const Point<World> place(0.9f, 0.5f, 0.5f);
   const float enough = ContributionMap::wanted * map.pixel(100, 100) / map.expected(place);
   EXPECT_EQ(map.survival(place, Color(1.01f * enough), 100, 100), 1);
   EXPECT_NEAR(map.survival(place, Color(0.6f * enough), 100, 100), 0.6f, 1e-3f);
