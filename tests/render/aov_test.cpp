@@ -125,8 +125,9 @@ TEST(Aovs, LabelsOfClosuresSplitWhatASurfaceScatters) {
       <shape type="sphere"><bsdf type="osl"><source><![CDATA[
         surface labelled() {
           Ci = 0.15 * diffuse(N, "label", "thin") + 0.3 * diffuse(N, "label", "thick") +
-               color(0.3, 0.2, 0.1) * microfacet("ggx", N, 0.3, 1.5, 0, "label", "gloss") + 0.1 * transparent() +
-               0.05 * diffuse(N);
+               color(0.3, 0.2, 0.1) * conductor_bsdf(N, dPdu, 0.3, 0.3, color(0.2), color(3), "ggx",
+                                                       "label", "gloss") +
+               0.1 * transparent() + 0.05 * diffuse(N);
         }]]></source></bsdf></shape>)";
   const TestScene scene = aovScene(
       "thin:C<R.'thin'>.*[LOB],thick:C<R.'thick'>.*[LOB],gloss:C<RG'gloss'>.*[LOB],"
