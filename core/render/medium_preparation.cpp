@@ -370,7 +370,8 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
         {"choose distance 'auto', 'marching' or 'null' for this medium"});
     return errors;
   }
-  if (place.domain && (ranges.canProve() || declared || needsBound)) {
+  const bool hasBudget = budget.boxes > 0 || (needsBound && !medium.bound);
+  if (place.domain && hasBudget && (ranges.canProve() || declared || needsBound)) {
     plantTree(scene, medium, ranges,
               {.domain = *place.domain,
                .objectToWorld = instance.objectToWorld,

@@ -7,7 +7,7 @@ namespace aerosol::render {
 namespace {
 
 /// The deepest chain of coroutines (path, distance, tracker) takes about 2 kB; measured by `frameHeapBlocks`.
-constexpr std::size_t frameBytes = 8192;
+constexpr std::size_t frameBytes = 16384;
 
 }  // namespace
 

@@ -114,17 +114,21 @@ class FacetBoundary {
   /// Polished, or between equal indices, where facets bend nothing.
   bool isSmooth() const { return std::max(model_.alphaX, model_.alphaY) < 1e-3f || std::fabs(model_.eta - 1) < 1e-3f; }
 
-  /// What facets leave of the light that meets one of them. Where the model is no dielectric, a mixture of mirrors and
-  /// of facets that let everything through, by what the model reflects.
+  /// What facets leave of the light that meets one of them. Where the model reflects more than a dielectric, a mixture
+  /// of that with mirrors; where it reflects less, one with facets that let everything through.
   float keptOnce() const {
     const BoundaryAlbedo once =
         boundaryAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), model_.eta, viewer_);
     if constexpr (requires { model_.reflectance(1.0f); }) {
       if (!hasOwnCurve()) return once.reflected + once.transmitted;
-      const float reflected = model_.reflectance(viewer_.z), passing = 1 - fresnelDielectric(viewer_.z, model_.eta);
+      const float own = model_.reflectance(viewer_.z), fresnel = fresnelDielectric(viewer_.z, model_.eta);
+      const float kept = once.reflected + once.transmitted;
       const float mirror = mirrorAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), viewer_);
-      const float passed = passing > 1e-3f ? std::min(once.transmitted / passing, 1.0f) : 1;
-      return reflected * mirror + (1 - reflected) * passed;
+      if (own >= fresnel) return fresnel < 1 ? kept + (mirror - kept) * (own - fresnel) / (1 - fresnel) : kept;
+      const float passed = fresnel < 0.999f ? std::min(once.transmitted / (1 - fresnel), 1.0f) : 1;
+      const float between = kept + (passed - kept) * (fresnel - own) / fresnel;
+      // Through films the larger of two estimates: rather too little light comes back than too much.
+      return model_.film.isThere() ? std::max(between, own * mirror + (1 - own) * passed) : between;
     }
     return once.reflected + once.transmitted;
   }

@@ -444,7 +444,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
         co_await sampleDistance(path, state.ray, state.throughput, lit || given.lights ? &given : nullptr, numbers);
     if (given.lights) lit = chooseFromTable(path, lights, given, event);
     path.statistics().raysIntoLights += lit && lit->isMet;
-    if (lit) path.statistics().work.add(Work::chosenDistance);
+    if (lit && !given.lights) path.statistics().work.add(Work::chosenDistance);
     if (!isBlack(event.emission)) {
       path.statistics().work.add(Work::mediumEmission);
       // Lights are sampled up to the first surface, whatever it is.

@@ -27,7 +27,7 @@ TEST(ContributionRoulette, ShowsTheSame) {
     const TestScene without = loadScene(depth + byThroughput, other, content);
     ASSERT_FALSE(with.scene()->contributions.isEmpty());
     ASSERT_TRUE(without.scene()->contributions.isEmpty());
-    EXPECT_TRUE(showTheSame(*with.render(1024), *without.render(1024), 0.02));
+    EXPECT_TRUE(showTheSame(*with.render(2048), *without.render(2048), 0.025));
   }
 }
 

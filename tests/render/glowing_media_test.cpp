@@ -117,7 +117,7 @@ TEST(FireInARoom, LightsItWithAFractionOfTheNoise) {
   const Sum sampled = sum(*seen), chance = sum(*met);
   const double ratio = 4 * chance.variance / sampled.variance;
   RecordProperty("ratio", fmt::format("{:.0f}", ratio));
-  EXPECT_GT(ratio, 40);
+  EXPECT_GT(ratio, 20);
   const double error = std::sqrt(sampled.variance + chance.variance);
   EXPECT_LT(error, 0.05 * sampled.value);
   EXPECT_NEAR(sampled.value, chance.value, maximumZ * error);
