@@ -128,11 +128,15 @@ class FacetBoundary {
       const float passed = fresnel < 0.999f ? std::min(once.transmitted / (1 - fresnel), 1.0f) : 1;
       const float between = kept + (passed - kept) * (fresnel - own) / fresnel;
       // Through films the larger of two estimates: rather too little light comes back than too much.
-      return model_.film.isThere() ? std::max(between, own * mirror + (1 - own) * passed) : between;
+      return hasFilm() ? std::max(between, own * mirror + (1 - own) * passed) : between;
     }
     return once.reflected + once.transmitted;
   }
 
+  bool hasFilm() const {
+    if constexpr (requires { model_.film.isThere(); }) return model_.film.isThere();
+    return false;
+  }
   bool hasOwnCurve() const {
     if constexpr (requires { model_.hasOwnCurve(); }) return model_.hasOwnCurve();
     return true;
