@@ -124,11 +124,11 @@ class FacetBoundary {
       const float own = model_.reflectance(viewer_.z), fresnel = fresnelDielectric(viewer_.z, model_.eta);
       const float kept = once.reflected + once.transmitted;
       const float mirror = mirrorAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), viewer_);
-      if (own >= fresnel) return fresnel < 1 ? kept + (mirror - kept) * (own - fresnel) / (1 - fresnel) : kept;
       const float passed = fresnel < 0.999f ? std::min(once.transmitted / (1 - fresnel), 1.0f) : 1;
-      const float between = kept + (passed - kept) * (fresnel - own) / fresnel;
-      // Through films the larger of two estimates: rather too little light comes back than too much.
-      return hasFilm() ? std::max(between, own * mirror + (1 - own) * passed) : between;
+      // What films reflect goes up and down with the angle: as if all of it was mirrored, rather too little comes back.
+      if (hasFilm()) return own * mirror + (1 - own) * passed;
+      if (own >= fresnel) return fresnel < 1 ? kept + (mirror - kept) * (own - fresnel) / (1 - fresnel) : kept;
+      return kept + (passed - kept) * (fresnel - own) / fresnel;
     }
     return once.reflected + once.transmitted;
   }
