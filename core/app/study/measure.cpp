@@ -133,7 +133,12 @@ double errorAtTime(const StudyCase& study, double seconds) {
   std::size_t after = 0;
   while (after < rounds.size() && rounds[after].seconds < seconds) ++after;
   if (after == 0) return error(rounds.front());
-  if (after == rounds.size()) return error(rounds.back());
+  if (after == rounds.size()) {
+    // With more samples noise falls, and bias stays.
+    const StudyRound& last = rounds.back();
+    const double noise = std::max(last.variance.value, 0.0) * last.seconds / seconds;
+    return std::sqrt(std::max(noise + (last.hasBias() ? last.squaredBias.value : 0), 1e-12));
+  }
   const StudyRound &a = rounds[after - 1], &b = rounds[after];
   const double share = std::log(seconds / a.seconds) / std::log(b.seconds / a.seconds);
   return std::exp(std::log(error(a)) * (1 - share) + std::log(error(b)) * share);
@@ -170,11 +175,14 @@ double costOfHalving(const StudyCase& study) {
 }
 
 double equalTime(const StudyResults& results) {
-  double time = std::numeric_limits<double>::infinity();
+  double shortest = std::numeric_limits<double>::infinity(), least = 0;
   for (const StudyCase& study : results.cases) {
-    if (study.isComplete && !study.rounds.empty()) time = std::min(time, study.rounds.back().seconds);
+    if (study.rounds.empty()) continue;
+    if (study.isComplete) shortest = std::min(shortest, study.rounds.back().seconds);
+    // There is no render with less than its first samples.
+    least = std::max(least, study.rounds.front().seconds);
   }
-  return std::isfinite(time) ? time : 0;
+  return std::isfinite(shortest) ? std::max(shortest, least) : 0;
 }
 
 }  // namespace aerosol::app

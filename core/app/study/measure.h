@@ -26,7 +26,8 @@ void summarise(std::span<const StudyImage> repetitions, StudyReference& referenc
 /// of the reference. Values that are not finite count as 0.
 StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyReference& reference);
 
-/// The error (not squared) at a time, along the straight line between rounds in logarithms; beyond them the nearest.
+/// The error (not squared) at a time, along the straight line between rounds in logarithms. Before the first
+/// round there is no render: its error. After the last one noise falls with time, and bias that was found stays.
 double errorAtTime(const StudyCase& study, double seconds);
 
 /// By which factor the time grows when the error is to be halved: noise falls at the rate of the last rounds (see
@@ -38,7 +39,7 @@ double costOfHalving(const StudyCase& study);
 /// too few rounds or it does not fall.
 double convergenceRate(const StudyCase& study);
 
-/// The longest time that all complete cases have reached.
+/// The longest time that all complete cases have reached, or the shortest in which all have a render at all.
 double equalTime(const StudyResults& results);
 
 }  // namespace aerosol::app

@@ -161,13 +161,14 @@ std::string method(const StudyResults& results) {
       "a "
       "pixel, {}) has a standard error of {} a pixel itself, which is taken off. A difference that these errors "
       "explain "
-      "is called noise.</p>\n",
+      "is called noise. Times are those of the processors, by threads: what a render takes where nothing else "
+      "runs.</p>\n",
       results.repetitions, r.width, r.height, escapeHtml(results.machine), escapeHtml(r.method), r.samples,
       formatDuration(r.seconds), formatError(r.error));
   if (const double share = results.machineTime.share(); share < 0.8) {
     html += fmt::format(
         "<p>The machine was busy with other work: it gave these renders {:.0f}% of the processors that they could use. "
-        "Times are longer than on an idle machine, and less even; errors are what they are.</p>\n",
+        "Waiting is not counted, but times are less even than on an idle machine; errors are what they are.</p>\n",
         100 * share);
   }
   html += "<p class=\"soft\">The same render again, with the samples of its last round:</p><ul class=\"soft\">";

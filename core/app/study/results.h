@@ -29,7 +29,7 @@ struct Measured {
 /// One configuration with one number of samples. All are parts of the reference's scale or squares of such.
 struct StudyRound {
   std::uint32_t samples = 0;  ///< A pixel.
-  double seconds = 0;         ///< Of one repetition, in the mean.
+  double seconds = 0;         ///< Of one repetition, in the mean: of all processors, by threads.
   Measured squaredError;      ///< Mean over pixels, channels and repetitions; the reference's own error is taken off.
   Measured variance;          ///< The part of it by which repetitions scatter.
   Measured squaredBias;       ///< The part that all repetitions share; below 0 by chance where there is none.

@@ -70,7 +70,9 @@ class Repetitions {
   }
 
   std::uint32_t samples() const { return samples_; }
-  double seconds() const { return seconds_; }  ///< All of them together.
+  double seconds() const { return seconds_; }  ///< All of them together, waiting for other programs included.
+  /// All of them together on a machine that has nothing else to do.
+  double idleSeconds() const { return processorSeconds_ / session_.threadCount(); }
   /// Of what the threads could have had, the machine gave so much.
   StudyMachineTime machineTime() const { return {processorSeconds_, seconds_ * session_.threadCount()}; }
   std::vector<StudyImage> images() const {
@@ -224,7 +226,7 @@ class Study {
       if (2 * renders.seconds() > allowed || samples >= 1u << 16) break;
     }
     reference.samples = renders.samples() * static_cast<std::uint32_t>(arguments_.repetitions);
-    reference.seconds = renders.seconds();
+    reference.seconds = renders.idleSeconds();
     results_.machineTime += renders.machineTime();
     return save();
   }
@@ -254,7 +256,7 @@ class Study {
       const auto images = renders.images();
       StudyRound round = measureRound(images, results_.reference);
       round.samples = samples;
-      round.seconds = renders.seconds() / arguments_.repetitions;
+      round.seconds = renders.idleSeconds() / arguments_.repetitions;
       study.rounds.push_back(round);
       study.picture = images.front();
       const bool isReferenceWorse = results_.reference.error * results_.reference.error >

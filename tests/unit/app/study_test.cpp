@@ -112,7 +112,9 @@ TEST(StudyMeasure, FindsTheRateAndErrorsAtATime) {
   const StudyCase plain = falling("plain", 0.4, 0);
   EXPECT_NEAR(convergenceRate(plain), 0.5, 1e-6);
   EXPECT_NEAR(errorAtTime(plain, 0.3), 0.4 / std::sqrt(3.0), 1e-6);
-  EXPECT_NEAR(errorAtTime(plain, 1e9), 0.4 / 16, 1e-6);
+  // Beyond the last round, of 25.6 s.
+  EXPECT_NEAR(errorAtTime(plain, 4 * 25.6), 0.4 / 16 / 2, 1e-6);
+  EXPECT_NEAR(errorAtTime(falling("biased", 0.4, 0.2), 1e12), 0.2, 1e-6);
   EXPECT_LT(convergenceRate(falling("stuck", 0.01, 0.3)), 0.01);
 }
 
@@ -124,6 +126,17 @@ TEST(StudyMeasure, KnowsWhatHalvingCosts) {
   EXPECT_FALSE(std::isfinite(costOfHalving(falling("stuck", 0.4, 0.1))));
   biased.rounds.resize(1);
   EXPECT_EQ(costOfHalving(biased), 0);
+}
+
+/// A method of which one sample takes longer than all rounds of another one is compared in its own time.
+TEST(StudyMeasure, NoCaseIsShownInLessTimeThanItCanRender) {
+  StudyResults results;
+  results.cases = {falling("fast", 0.4, 0), falling("slow", 0.4, 0, 1000)};
+  EXPECT_NEAR(equalTime(results), 100, 1e-9);
+  const auto rows = sortRows(results);
+  EXPECT_EQ(rows[0].study->name, "fast");
+  EXPECT_NEAR(rows[0].error, 0.4 / std::sqrt(1000.0), 1e-6);
+  EXPECT_NEAR(rows[1].error, 0.4, 1e-6);
 }
 
 TEST(StudyReport, SaysWhatHalvingTheErrorCosts) {
