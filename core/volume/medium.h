@@ -80,8 +80,14 @@ struct Medium {
     return {majorant, 0, majorant,
             BoundNode::makeLink(LeafKind::bounded, bound ? bound->provenance : Provenance::estimated, 0)};
   }
-  /// Rate of tentative collisions in a leaf where coefficients vary (talk: "relaxing to max(μ̄, 1/stepsize)").
+  /// Rate of a path's tentative collisions in a leaf where coefficients vary (talk: "relaxing to max(μ̄, 1/stepsize)").
+  /// Not the working bound: where that is exceeded a collision weighs up to 3, which is little once, but the weights of
+  /// a path of fifty vertices are multiplied.
   float collisionRate(const BoundNode& leaf) const {
+    return relaxesBound ? std::max(leaf.limit, 1.0f / stepSize) : leaf.limit;
+  }
+  /// The same along shadow rays, by the working bound: no factor of transmittance exceeds 1 in size.
+  float shadowRate(const BoundNode& leaf) const {
     return relaxesBound ? std::max(leaf.majorant, 1.0f / stepSize) : leaf.majorant;
   }
 };

@@ -93,6 +93,9 @@ class SegmentWalk {
     return {};
   }
 
+  /// The leaf of a medium, by its number in the segment.
+  const BoundNode& leafOf(std::size_t medium) const { return walks_[medium].leaf(); }
+
   /// Goes on to the stretch behind `end()`.
   void next() {
     for (std::size_t i = 0; i < media_.size(); ++i) {

@@ -191,6 +191,25 @@ TEST_P(Trees, RatioTrackingHasTheRightMeanAndVariance) {
   EXPECT_LE(square.mean(), 1.01 * std::exp(exponent) + 0.05 * mean.mean());
 }
 
+/// However low the working bound is: weights of collisions are multiplied along a path, and what exceeds 1 grows with
+/// each of its vertices.
+TEST_P(Trees, DistancesOfGreyMediaWeighAtMostTheAlbedo) {
+  TrackerCase grey = case_;
+  grey.media = {profile(densityAt, 5, Color(0.4f), Color(0.999f))};
+  const std::unique_ptr<BoundTree> tree = treeOf(grey, GetParam().part, GetParam().isFine);
+  TrackerSetup setup(grey);
+  setup.medium(0).tree = tree.get();
+  Uniforms random(seedOfTest());
+  int scattered = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const DistanceSample s = sampleDistance(Tracker::nullScattering, setup, grey, random);
+    ASSERT_LE(s.weight.g, 1.0001f);
+    ASSERT_GE(s.weight.g, 0.0f);
+    scattered += s.event == DistanceEvent::scattered;
+  }
+  EXPECT_GT(scattered, 10000);
+}
+
 /// Nobody is asked where all is known: in the empty and in the uniform stretch.
 TEST_P(Trees, KnownStretchesAreNotAsked) {
   Uniforms random(seedOfTest());

@@ -124,7 +124,7 @@ class Builder {
 
   /// Tentative collisions in vain on a chord.
   double waste(const Cell& cell) const {
-    return isKnown(cell) ? 0 : static_cast<double>(cell.working - cell.samples.mean) * chord(cell.level);
+    return isKnown(cell) ? 0 : static_cast<double>(rateOf(cell) - cell.samples.mean) * chord(cell.level);
   }
 
   void evaluate(std::size_t first, int level) {
@@ -156,8 +156,8 @@ class Builder {
     }
   }
 
-  /// The working bound: what samples suggest, no more than what is proven or declared, and no less than half the way
-  /// from the least extinction to that, so that no weight of ratio tracking exceeds 1 in size.
+  /// The working bound of shadow rays: what samples suggest, no more than what is proven or declared, and no less than
+  /// half the way from the least extinction to that, so that no weight of ratio tracking exceeds 1 in size.
   void chooseBound(Cell& cell) const {
     BoundRanges& ranges = cell.knowledge.ranges;
     const BoxSamples& samples = cell.samples;
@@ -221,14 +221,14 @@ class Builder {
     const std::uint32_t parts = cells_[index].parts;
     if (parts == 0) return;
     bool isLeaf = true, isEmpty = true;
-    double working = 0;
+    double rate = 0;
     BoundRanges all{HUGE_VALF, 0, 0, HUGE_VALF, 0};
     for (std::uint32_t i = parts; i < parts + BoundTree::parts; ++i) {
       join(i);
       const Cell& part = cells_[i];
       isLeaf = isLeaf && part.parts == 0;
       isEmpty = isEmpty && isKnown(part) && part.knowledge.isEmpty;
-      working += static_cast<double>(rateOf(part)) / BoundTree::parts;
+      rate += static_cast<double>(rateOf(part)) / BoundTree::parts;
       const BoundRanges& r = part.knowledge.ranges;
       all = {std::min(all.extinctionLow, r.extinctionLow), std::max(all.extinctionHigh, r.extinctionHigh),
              std::max(all.scatteringHigh, r.scatteringHigh), std::min(all.emissionLow, r.emissionLow),
@@ -239,12 +239,16 @@ class Builder {
     if (isEmpty) {
       cell.knowledge = {.ranges = all, .isEmpty = true};
       cell.parts = 0;
-    } else if ((static_cast<double>(cell.working) - working) * chord(cell.level) * request_.pointCost < stepsOfParts) {
+    } else if ((static_cast<double>(rateOf(cell)) - rate) * chord(cell.level) * request_.pointCost < stepsOfParts) {
       cell.parts = 0;
     }
   }
 
-  float rateOf(const Cell& cell) const { return isKnown(cell) ? cell.knowledge.ranges.extinctionHigh : cell.working; }
+  /// Of paths' collisions.
+  float rateOf(const Cell& cell) const {
+    const float high = cell.knowledge.ranges.extinctionHigh;
+    return isKnown(cell) ? high : std::max(high, cell.working);
+  }
 
   BoundTree write() {
     BoundTree tree;

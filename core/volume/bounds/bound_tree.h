@@ -19,9 +19,9 @@ enum class LeafKind : std::uint8_t {
 
 /// A part of space. 16 bytes.
 struct BoundNode {
-  float majorant = 0;      ///< Working bound on the largest channel of extinction, > 0 in bounded leaves.
-  float control = 0;       ///< Extinction is nowhere less, in no channel.
-  float limit = 0;         ///< Extinction above it was not expected (the bound that was proven, declared, estimated).
+  float majorant = 0;  ///< Working bound on the largest channel of extinction, > 0 in bounded leaves: of shadow rays.
+  float control = 0;   ///< Extinction is nowhere less, in no channel.
+  float limit = 0;     ///< The bound that was proven, declared or estimated: of paths. More was not expected.
   std::uint32_t link = 0;  ///< Two bits of kind, two of provenance; first node of the parts, or index of coefficients.
 
   LeafKind kind() const { return static_cast<LeafKind>(link >> 30); }

@@ -37,7 +37,7 @@ class VaryingParts {
             known_[static_cast<std::size_t>(c)] += static_cast<double>(known->sigmaT[c]) * (end - t);
         }
       } else if (end > t) {
-        bound_ += static_cast<double>(medium.collisionRate(walk.leaf())) * (end - t);
+        bound_ += static_cast<double>(medium.shadowRate(walk.leaf())) * (end - t);
         length_ += end - t;
         if (parts_.size() > 0 && parts_[parts_.size() - 1].t1 == t) {
           parts_[parts_.size() - 1].t1 = end;

@@ -16,6 +16,9 @@
 // whether any of the collisions was a real one, and goes on behind it.
 #pragma once
 
+#include <array>
+#include <span>
+
 #include "core/volume/distance_sample.h"
 #include "core/volume/segments.h"
 #include "core/volume/task.h"
@@ -33,6 +36,37 @@ inline Color combedEmission(const SegmentWalk& walk, std::span<const Coefficient
   });
   return sum;
 }
+
+/// Places of the comb that have been asked for but not answered yet, on the way through one medium: where they are does
+/// not depend on what is there, and waiting for each answer would cost more than the shader does.
+class CombedPlaces {
+ public:
+  static constexpr std::size_t most = 8;
+
+  bool isFull() const { return count_ == most; }
+  bool isEmpty() const { return count_ == 0; }
+  std::size_t count() const { return count_; }
+  /// `weight` is the light's there, times the comb's step.
+  void add(const BoundNode& leaf, Color weight) { places_[count_++] = {leaf, weight}; }
+  /// Their emission; the first of the answers are theirs.
+  Color take(const Medium& medium, std::span<const Coefficients> answers, TrackerStatistics& statistics) {
+    Color sum;
+    for (std::size_t i = 0; i < count_; ++i) {
+      countViolation(medium, places_[i].leaf, answers[i].sigmaT, statistics);
+      sum += places_[i].weight * answers[i].emission;
+    }
+    count_ = 0;
+    return sum;
+  }
+
+ private:
+  struct Place {
+    BoundNode leaf;
+    Color weight;
+  };
+  std::array<Place, most> places_;
+  std::size_t count_ = 0;
+};
 
 /// Samples a distance in a segment, unless `tracks` is false. Every medium needs a tree, a bound or constant
 /// coefficients. The pdf is joint with the chain. What lies at a `given` distance is found on the same way: behind the
@@ -59,6 +93,13 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
   const float emissionStep = tracks ? emissionStepOf(segment) : std::numeric_limits<float>::infinity();
   bool looks = emissionStep < std::numeric_limits<float>::infinity();
   if (looks) flight.comb().begin(segment.t0, static_cast<double>(emissionStep), static_cast<double>(random.next()));
+  CombedPlaces combed;
+  const Medium* const only = segment.media.size() == 1 ? segment.media.front() : nullptr;
+  const auto takeCombed = [&](std::span<const Coefficients> answers) {
+    const std::size_t count = combed.count();
+    if (count > 0) sample.emission += combed.take(*only, answers, evaluator.trackerStatistics());
+    return count;
+  };
   bool launches = true;
   for (int step = 0; tracks || looks || isAsked();) {
     if (!looks) flight.comb().end();
@@ -85,9 +126,15 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
     launches = arrival == TentativeFlight::Arrival::collision;
 
     const SegmentWalk& walk = flight.walk();
+    if (arrival == TentativeFlight::Arrival::light && only && !combed.isFull()) {
+      evaluator.ask(*only, pointOn(ray, flight.t()), Quantity::coefficients);
+      combed.add(walk.leafOf(0), light * static_cast<float>(flight.comb().step()));
+      continue;
+    }
     if (!launches) {
       walk.ask(evaluator, pointOn(ray, flight.t()));
-      const std::span<const Coefficients> answers = co_await evaluator.answers();
+      std::span<const Coefficients> answers = co_await evaluator.answers();
+      answers = answers.subspan(takeCombed(answers));
       countViolations(walk, answers, evaluator.trackerStatistics());
       if (arrival == TentativeFlight::Arrival::light) {
         sample.emission += light * combedEmission(walk, answers, flight.comb().step());
@@ -106,7 +153,8 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
     SegmentWalk::Collision collision = walk.collide(random);
     if (!collision.coefficients) {
       evaluator.ask(*collision.medium, pointOn(ray, flight.t()), Quantity::coefficients);
-      collision.coefficients = &(co_await evaluator.answers())[0];
+      const std::span<const Coefficients> answers = co_await evaluator.answers();
+      collision.coefficients = &answers[takeCombed(answers)];
       countViolation(*collision.medium, collision.leaf, collision.coefficients->sigmaT, evaluator.trackerStatistics());
       const bool isCombed =
           collision.medium->integratesEmission && walk.emissionStep() < std::numeric_limits<float>::infinity();
@@ -156,6 +204,7 @@ Task<DistanceSample> sampleByNullScattering(E& evaluator, Ray<World> ray, Segmen
     weight *= odds.sigmaN() / (collision.rate * nullProbability);
     if (!survivesTrackerRoulette(weight, channels.mix(abs(weight)), random)) absorb();
   }
+  if (!combed.isEmpty()) takeCombed(co_await evaluator.answers());
   co_return sample;
 }
 

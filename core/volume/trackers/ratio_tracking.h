@@ -29,7 +29,7 @@ Task<Color> ratioTracking(E& evaluator, Ray<World> ray, MediumSpan span, R& rand
     } else {
       const BoundNode leaf = walk.leaf();
       if (leaf.control > 0) transmittance *= std::exp(-opticalDepth(leaf.control, static_cast<float>(end - t)));
-      const float bound = medium.collisionRate(leaf) - leaf.control;
+      const float bound = medium.shadowRate(leaf) - leaf.control;
       const auto depthAt = [&](double from) {
         return bound > negligibleExtinction ? static_cast<double>(bound) * (end - from) : 0;
       };

@@ -119,9 +119,10 @@ TEST(BoundBuilder, KeepsToItsBudget) {
 /// A dear shader is worth more steps over faces: its tree is finer, and wastes less.
 TEST(BoundBuilder, DearPointsMakeFinerTrees) {
   Ball ball;
+  ball.core = 60;
   std::size_t before = 0;
   double bound = infinity;
-  for (const double cost : {0.25, 2.0, 16.0}) {
+  for (const double cost : {0.1, 1.0, 4.0}) {
     BoundStatistics statistics;
     const BoundRequest request{.domain = cube, .objectToWorld = {}, .stepSize = 0.1f, .pointCost = cost};
     const BoundTree tree = buildBoundTree(ball, request, statistics);
