@@ -120,20 +120,52 @@ class Own:
 
 
 class Peer:
-    def __init__(self, mi, variant, path, integrator):
-        self.mi, self.variant, self.name = mi, variant, f"Mitsuba {integrator} {variant}"
-        mi.set_variant(variant)
-        self.scene = mi.load_file(path)
-        self.known = set()
+    """Mitsuba in a process of its own: its variants do not share one."""
+
+    def __init__(self, mi, variant, path, integrator, folder):
+        self.name = f"Mitsuba {integrator} {variant}"
+        self.image = f"{folder}/{variant}_{integrator}.npy"
+        self.process = subprocess.Popen([sys.executable, __file__, "--serve", variant, path, self.image], text=True,
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        ready = self.process.stdout.readline().strip()
+        if ready != "ready":
+            raise RuntimeError(ready or "ended")
 
     def render(self, spp, seed):
-        self.mi.set_variant(self.variant)
-        if spp not in self.known and "llvm" in self.variant:
-            np.array(self.mi.render(self.scene, spp=spp, seed=seed))
-            self.known.add(spp)
+        self.process.stdin.write(f"{spp} {seed}\n")
+        self.process.stdin.flush()
+        taken = float(self.process.stdout.readline())
+        return np.load(self.image), taken
+
+    def stop(self):
+        self.process.stdin.close()
+        self.process.wait()
+
+
+def serve(variant, path, image):
+    """Renders with `spp seed` of each line of standard input; answers with the processor time."""
+    import mitsuba as mi
+
+    try:
+        mi.set_variant(variant)
+        mi.set_log_level(mi.LogLevel.Error)
+        scene = mi.load_file(path)
+    except Exception as error:
+        print(str(error).splitlines()[0], flush=True)
+        return 1
+    print("ready", flush=True)
+    known = set()
+    for line in sys.stdin:
+        spp, seed = map(int, line.split())
+        if spp not in known and "llvm" in variant:
+            np.array(mi.render(scene, spp=spp, seed=seed))
+            known.add(spp)
         start = time.process_time()
-        image = np.array(self.mi.render(self.scene, spp=spp, seed=seed))[..., :3]
-        return image.astype(np.float64), time.process_time() - start
+        pixels = np.array(mi.render(scene, spp=spp, seed=seed))[..., :3]
+        taken = time.process_time() - start
+        np.save(image, pixels.astype(np.float64))
+        print(taken, flush=True)
+    return 0
 
 
 def samples_for(renderer, seconds):
@@ -176,7 +208,7 @@ def run_scene(mi, name, options, folder):
     for variant in ("scalar_rgb", "llvm_ad_rgb"):
         for integrator in ("volpath", "volpathmis"):
             try:
-                peers.append(Peer(mi, variant, scene_file(folder, name, integrator, options.size), integrator))
+                peers.append(Peer(mi, variant, scene_file(folder, name, integrator, options.size), integrator, folder))
             except Exception as error:  # This build of Mitsuba may lack LLVM.
                 print(f"  {variant} {integrator}: {str(error).splitlines()[0]}")
     fastest = {}
@@ -193,6 +225,8 @@ def run_scene(mi, name, options, folder):
     apart_error = np.sqrt((first_variance.mean() + second_variance.mean()) / pixels) / second.mean()
     ours = measure(own, options.seconds, options.seeds, truth, variance)
     theirs = measure(best, options.seconds, options.seeds, truth, variance)
+    for peer in peers:
+        peer.stop()
     low, median, high = quartiles(ours["costs"], theirs["costs"])
     print(f"{name:22} {median:8.2f} ({low:.2f} to {high:.2f})   references differ by {100 * apart:+.3f} % ± {100 * apart_error:.3f}   "
           f"{best.name}, {theirs['samples']} | {ours['samples']} samples", flush=True)
@@ -213,7 +247,10 @@ def main():
     arguments.add_argument("--size", type=int, default=64, help="width in pixels")
     arguments.add_argument("--list", action="store_true", help="names of the scenes")
     arguments.add_argument("-o", help="writes the measurements as JSON")
+    arguments.add_argument("--serve", nargs=3, help=argparse.SUPPRESS)
     options = arguments.parse_args()
+    if options.serve:
+        return serve(*options.serve)
     if options.list:
         print("\n".join(SCENES))
         return 0
