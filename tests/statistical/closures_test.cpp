@@ -108,7 +108,7 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
     const auto s = closure.sample(p, point, {random.next(), random.next2D()});
     weights.add(s ? static_cast<double>(s->weight.g) : 0);
     ++observed[s ? grid.cell(s->direction) : grid.cellCount()];
-    if (!s) continue;
+    if (!s || i % 4 != 0) continue;
     const float density = closure.pdf(p, point, s->direction);
     const Color value = closure.evaluate(p, point, s->direction), weighted = s->weight * s->pdf;
     if (std::fabs(density - s->pdf) > 1e-4f * s->pdf ||
@@ -220,9 +220,8 @@ TEST(Closures, NamesAreUnique) {
 }
 
 /// What is scattered of light from everywhere, over the additive recurrence of Roberts 2018 in three dimensions: within
-/// 2e-4 for the lobes asked here.
-double energyOf(const Closure& closure, const Parameters& p, const ClosurePoint& point) {
-  constexpr int count = 20000;
+/// 2e-4 with 20,000 points for the lobes asked here, within 1e-3 with 4,000.
+double energyOf(const Closure& closure, const Parameters& p, const ClosurePoint& point, int count = 20000) {
   double energy = 0;
   for (int i = 0; i < count; ++i) {
     const auto part = [i](double step) { return static_cast<float>(std::fmod(0.5 + step * i, 1)); };
@@ -356,7 +355,7 @@ TEST(Closures, BoundariesKeepTheLightInAWhiteFurnace) {
           const Parameters schlick{n.x, n.y,       n.z, across.x, across.y, across.z, 1, 1, 1, 1, 1, 1,
                                    x,   x * ratio, f0,  f0,       f0,       1,        1, 1, 5, 0, 0, 1};
           for (const auto& [name, p] : {std::pair("dielectric_bsdf", glass), {"generalized_schlick_bsdf", schlick}}) {
-            const double kept = energyOf(*registry.closure(name), p, point);
+            const double kept = energyOf(*registry.closure(name), p, point, 4000);
             EXPECT_GE(kept, 0.9) << name << ' ' << x << ' ' << ratio << ' ' << ior << ' ' << view;
             EXPECT_LE(kept, 1.025) << name << ' ' << x << ' ' << ratio << ' ' << ior << ' ' << view;
           }
