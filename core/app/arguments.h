@@ -50,6 +50,7 @@ struct RenderArguments {
   std::vector<std::string> outputs;
   std::map<std::string, std::string> defines;
   std::vector<std::string> overrides;
+  std::string sensor;  ///< Of several, by id or number; empty: the first.
   std::optional<int> samplesPerPixel;
   std::optional<int> seed;
   std::optional<Crop> crop;

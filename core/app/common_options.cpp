@@ -62,6 +62,8 @@ void addSceneOptions(CLI::App& app, RenderArguments& render) {
          "Give $NAME in the scene a value; repeatable")
       ->allow_extra_args(false)
       ->option_text("NAME=VALUE");
+  app.add_option("--sensor", render.sensor, "Of several sensors: the one with this number, from 0, or id [the first]")
+      ->option_text("N|ID");
   addList(app, "--set", "TARGET.PARAMETER=VALUE", render.overrides,
           "Change a parameter after the scene is read; repeatable. TARGET\n"
           "is an id, a shader or a kind of object: cumulus.density=2,\n"

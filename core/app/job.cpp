@@ -56,6 +56,7 @@ std::string identityOf(const RenderArguments& arguments, const scene::SceneDescr
   for (const auto& [name, value] : arguments.defines) hash.add(name).add(value);
   hash.add(arguments.overrides.size());
   for (const std::string& change : arguments.overrides) hash.add(change);
+  hash.add(arguments.sensor);
   addSorted(hash, arguments.without);
   hash.add(static_cast<std::uint64_t>(description.sampler.seed));
   hash.add(render::toText(scene.samplingPlan));

@@ -98,6 +98,7 @@ std::vector<image::Metadata> describeRender(const RenderRecord& record, const Sa
   if (!record.arguments.overrides.empty()) {
     entries.add("overrides", fmt::format("{}", fmt::join(record.arguments.overrides, " ")));
   }
+  if (!record.arguments.sensor.empty()) entries.add("sensor", record.arguments.sensor);
   if (!record.arguments.without.empty()) {
     entries.add("without", fmt::format("{}", fmt::join(record.arguments.without, " ")));
   }

@@ -429,6 +429,7 @@ class Render {
     found.append(reportInvalidClosures(session_.scene()));
     found.append(reportTrackers(session_.scene(), report_.statistics.trackers));
     found.append(reportLights(report_.statistics));
+    found.append(reportClamping(session_.scene(), report_.statistics));
     found.append(reportDroppedSamples(*film_));
     found.append(reportReplacedAovs(*film_));
     found.append(reportHiddenAovs());

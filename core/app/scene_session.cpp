@@ -61,7 +61,8 @@ bool SceneSession::load() {
   const Clock::time_point start = Clock::now();
   Diagnostics warnings;
   auto loaded =
-      scene::load(arguments_.scene, {arguments_.defines, arguments_.overrides, registeredTypes(registry_)}, warnings);
+      scene::load(arguments_.scene,
+                  {arguments_.defines, arguments_.overrides, registeredTypes(registry_), arguments_.sensor}, warnings);
   tellWarnings(warnings);
   if (!loaded) return accept(loaded.errors());
   description_ = std::move(*loaded);
@@ -95,7 +96,8 @@ bool SceneSession::prepareAgain() {
 
 Diagnostics SceneSession::check() {
   scene::Reading reading =
-      scene::read(arguments_.scene, {arguments_.defines, arguments_.overrides, registeredTypes(registry_)}, warnings_);
+      scene::read(arguments_.scene,
+                  {arguments_.defines, arguments_.overrides, registeredTypes(registry_), arguments_.sensor}, warnings_);
   Diagnostics errors = std::move(reading.errors);
   auto toolchain = openToolchain(arguments_.kernels, warnings_);
   if (!toolchain) errors.append(toolchain.errors());

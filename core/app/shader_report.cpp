@@ -170,6 +170,18 @@ Diagnostics reportLights(const render::WorkerStatistics& statistics) {
   return warnings;
 }
 
+Diagnostics reportClamping(const render::PreparedScene& scene, const render::WorkerStatistics& statistics) {
+  Diagnostics warnings;
+  if (!scene.path.clampsIndirect.isCalledFor()) return warnings;
+  const std::uint64_t count = statistics.work.of(render::Work::clamping);
+  warnings.warning({},
+                   count == 0 ? std::string("clamp_indirect is on, and dimmed nothing")
+                              : fmt::format("clamp_indirect dimmed light of paths {}: the picture is too dark",
+                                            count == 1 ? "once" : formatCount(count) + " times"),
+                   {"without it, or with 0, the picture has the right brightness"});
+  return warnings;
+}
+
 Diagnostics reportReplacedAovs(const render::Film& film) {
   Diagnostics warnings;
   if (film.replacedAovs() > 0) {

@@ -38,6 +38,9 @@ Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::Tra
 /// Point lights that rays met.
 Diagnostics reportLights(const render::WorkerStatistics& statistics);
 
+/// Light that the scene's limit dimmed.
+Diagnostics reportClamping(const render::PreparedScene& scene, const render::WorkerStatistics& statistics);
+
 /// Samples that were not finite, which the film dropped.
 Diagnostics reportDroppedSamples(const render::Film& film);
 /// Values of AOVs that were no finite numbers.

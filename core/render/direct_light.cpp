@@ -226,11 +226,12 @@ Color escapedLight(const PreparedScene& scene, Vector<World> direction, const Di
   const LightSet& lights = scene.lightsOf(record.links);
   Color sum;
   for (const std::uint32_t index : lights.infinite()) {
-    const Color radiance = lights[index].escaped(direction);
-    if (isBlack(radiance)) continue;
-    const float weight = record.isDelta ? 1.0f : balance(record.pdf, lights.pdfEscaped(index, record.from, direction));
-    sum += radiance * weight;
-    if (aovs) aovs->addFromLight(radiance * weight, index);
+    const Light::Escaped light = record.isDelta ? Light::Escaped{lights[index].escaped(direction)}
+                                                : lights.escapedWithPdf(index, record.from, direction);
+    if (isBlack(light.radiance)) continue;
+    const float weight = record.isDelta ? 1.0f : balance(record.pdf, light.pdf);
+    sum += light.radiance * weight;
+    if (aovs) aovs->addFromLight(light.radiance * weight, index);
   }
   return sum;
 }

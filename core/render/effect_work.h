@@ -36,6 +36,7 @@ enum class Work : std::uint8_t {
   holdout,           ///< Paths that ended in a hole.
   laterScattering,   ///< Scattering events after a path's first.
   roulette,          ///< Games of Russian roulette.
+  clamping,          ///< Light that was dimmed to the scene's limit.
   coarseVoxels,      ///< Rays that saw volumes with coarser voxels than others do.
   contribution,      ///< Looks at what a path may still bring.
   look,              ///< Points whose coefficients a volume's controls changed.

@@ -3,65 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "core/render/fresnel.h"
+#include "core/render/grid_table.h"
 
 namespace aerosol::render {
 
 namespace {
 
 using Shape = Microfacets::Shape;
-
-/// Values over a grid in N dimensions, interpolated linearly; coordinates from 0 to 1.
-template <std::size_t N, class Value = float>
-class GridTable {
- public:
-  template <class Function>
-  GridTable(std::array<int, N> counts, Function&& value) : counts_(counts) {
-    std::size_t size = 1;
-    for (const int count : counts) size *= static_cast<std::size_t>(count);
-    values_.resize(size);
-    for (std::size_t i = 0; i < size; ++i) {
-      std::array<float, N> at;
-      std::size_t rest = i;
-      for (std::size_t d = 0; d < N; ++d) {
-        const auto count = static_cast<std::size_t>(counts[d]);
-        at[d] = static_cast<float>(rest % count) / static_cast<float>(count - 1);
-        rest /= count;
-      }
-      values_[i] = value(at);
-    }
-  }
-
-  Value operator()(std::array<float, N> at) const {
-    std::array<std::size_t, N> lower;
-    std::array<float, N> part;
-    for (std::size_t d = 0; d < N; ++d) {
-      const float x = std::clamp(at[d], 0.0f, 1.0f) * static_cast<float>(counts_[d] - 1);
-      const int cell = std::min(static_cast<int>(x), counts_[d] - 2);
-      lower[d] = static_cast<std::size_t>(cell);
-      part[d] = x - static_cast<float>(cell);
-    }
-    Value sum{};
-    for (unsigned corner = 0; corner < 1u << N; ++corner) {
-      float weight = 1;
-      std::size_t index = 0, stride = 1;
-      for (std::size_t d = 0; d < N; ++d) {
-        const bool isUpper = (corner >> d & 1u) != 0;
-        weight *= isUpper ? part[d] : 1 - part[d];
-        index += (lower[d] + (isUpper ? 1 : 0)) * stride;
-        stride *= static_cast<std::size_t>(counts_[d]);
-      }
-      if (weight > 0) sum = sum + values_[index] * weight;
-    }
-    return sum;
-  }
-
- private:
-  std::array<int, N> counts_;
-  std::vector<Value> values_;
-};
 
 // Coordinates: places are denser towards grazing views and polished surfaces; indices are taken by their reflectance.
 constexpr float leastCosine = 1e-3f;
@@ -76,19 +26,6 @@ float etaAt(float x) {
   return (1 + r) / (1 - r);
 }
 float placeOfEta(float eta) { return 0.5f * ((eta - 1) / (eta + 1) / largestReflection + 1); }
-
-/// Mean of `value(h)` over `count` facets that a viewer sees, drawn by the additive recurrence of Roberts 2018, "The
-/// Unreasonable Effectiveness of Quasirandom Sequences".
-template <class Value>
-auto overVisibleFacets(int count, const Microfacets& facets, Vector<Local> viewer, Value&& value) {
-  decltype(value(viewer)) sum{};
-  for (int i = 0; i < count; ++i) {
-    const double a = 0.5 + 0.7548776662466927 * i, b = 0.5 + 0.5698402909980532 * i;
-    sum = sum + value(facets.sampleVisible(
-                    viewer, {static_cast<float>(a - std::floor(a)), static_cast<float>(b - std::floor(b))}));
-  }
-  return sum * (1.0f / static_cast<float>(count));
-}
 
 Vector<Local> viewerAt(float cosine, float turn) {
   const float sine = std::sqrt(std::max(0.0f, 1 - cosine * cosine));
@@ -128,9 +65,22 @@ Pair integrateBoundary(int count, const Microfacets& facets, float eta, Vector<L
   });
 }
 
+/// The same of boundaries whose facets lose nothing to each other.
+Pair integrateShares(int count, const Microfacets& facets, float eta, Vector<Local> viewer) {
+  const SecondMeeting second(eta);
+  return overVisibleFacets(count, facets, viewer, [&](Vector<Local> h) {
+    const float drawn = facets.visibleDensity(viewer, h), cosine = std::max(dot(viewer, h), 0.0f);
+    if (!(drawn > 0)) return Pair();
+    const float weight = facets.density(h) * facets.seen(viewer) * cosine / (viewer.z * drawn);
+    const float f = fresnelDielectric(cosine, eta);
+    const FacetFate fate(facets, second, eta, viewer, h);
+    return Pair{f * fate.reflectionStays * weight, (1 - f) * fate.transmissionStays * weight};
+  });
+}
+
 /// The reflected part alone.
 float integrateReflection(const Microfacets& facets, float eta, Vector<Local> viewer) {
-  return overVisibleFacets(128, facets, viewer, [&](Vector<Local> h) {
+  return overVisibleFacets(400, facets, viewer, [&](Vector<Local> h) {
     const Vector<Local> light = reflectAt(viewer, h);
     return light.z > 0 ? fresnelDielectric(dot(viewer, h), eta) * facetWeight(facets, viewer, h, light) : 0.0f;
   });
@@ -170,7 +120,7 @@ struct BoundaryTable {
   explicit BoundaryTable(Shape shape)
       : values({16, 16, 21}, [&](std::array<float, 3> x) {
           const float alpha = alphaAt(x[1]);
-          return integrateBoundary(400, facetsOf(shape, alpha, alpha), etaAt(x[2]), viewerAt(cosineAt(x[0]), 0.3f));
+          return integrateShares(400, facetsOf(shape, alpha, alpha), etaAt(x[2]), viewerAt(cosineAt(x[0]), 0.3f));
         }) {}
 };
 
@@ -179,9 +129,11 @@ struct CoatTable {
   GridTable<3> values;
 
   explicit CoatTable(Shape shape)
-      : values({32, 20, 12}, [&](std::array<float, 3> x) {
+      : values({32, 20, 8}, [&](std::array<float, 3> x) {
           const float alpha = alphaAt(x[1]);
-          return integrateBoundary(200, facetsOf(shape, alpha, alpha, true), etaAt(0.5f + 0.5f * x[2]),
+          // Beckmann's normals are drawn as if they were GGX's, and weighed.
+          const int count = shape == Shape::ggx ? 200 : 800;
+          return integrateBoundary(count, facetsOf(shape, alpha, alpha, true), etaAt(0.5f + 0.5f * x[2]),
                                    viewerAt(cosineAt(x[0]), 0.3f))
               .transmitted;
         }) {}
@@ -193,7 +145,7 @@ struct InnerCoatTable {
   GridTable<2> values;
 
   explicit InnerCoatTable(Shape shape)
-      : values({12, 16}, [&](std::array<float, 2> x) {
+      : values({12, 10}, [&](std::array<float, 2> x) {
           constexpr int places = 64;
           const Microfacets facets = facetsOf(shape, alphaAt(x[0]), alphaAt(x[0]), true);
           float sum = 0;
@@ -225,15 +177,25 @@ float mirrorAlbedo(Shape shape, float alphaX, float alphaY, Vector<Local> viewer
   return tablesOf<StretchedMirrorTable>(shape).values({cosine, placeOfAlpha(alphaX), placeOfAlpha(alphaY), turn});
 }
 
+float SecondMeeting::meanReflectance(float eta) {
+  if (eta >= 1) return std::min((eta - 1) / (4.08567f + 1.00071f * eta), 1.0f);
+  return std::clamp(0.997118f + eta * (0.1014f - eta * (0.965241f + eta * 0.130607f)), 0.0f, 1.0f);
+}
+
+FacetFate::FacetFate(const Microfacets& facets, const SecondMeeting& second, float eta, Vector<Local> viewer,
+                     Vector<Local> h) {
+  const Vector<Local> mirrored = reflectAt(viewer, h);
+  reflectionStays = mirrored.z > 0 ? second.stays(facets, viewer, mirrored) : second.above;
+  const std::optional<Vector<Local>> bent = refractAt(viewer, h, eta);
+  transmissionStays = !bent ? 0 : bent->z < 0 ? 1 : second.below;
+}
+
 /// Boundaries that are not alike in all directions would take a table of five dimensions: they are summed each time.
-BoundaryAlbedo boundaryAlbedo(Shape shape, float alphaX, float alphaY, float eta, Vector<Local> viewer) {
-  if (alphaX != alphaY) {
-    constexpr int places = 96;
-    const Pair pair = integrateBoundary(places, facetsOf(shape, alphaX, alphaY), eta, viewer);
-    return {pair.reflected, pair.transmitted};
-  }
-  const Pair pair =
-      tablesOf<BoundaryTable>(shape).values({placeOfCosine(viewer.z), placeOfAlpha(alphaX), placeOfEta(eta)});
+BoundaryShares boundaryShares(const Microfacets& facets, float eta, Vector<Local> viewer) {
+  const bool isKnown = facets.alphaX() == facets.alphaY() && std::fabs(eta - 1) <= largestReflection * (eta + 1);
+  const Pair pair = isKnown ? tablesOf<BoundaryTable>(facets.shape())
+                                  .values({placeOfCosine(viewer.z), placeOfAlpha(facets.alphaX()), placeOfEta(eta)})
+                            : integrateShares(96, facets, eta, viewer);
   return {pair.reflected, pair.transmitted};
 }
 

@@ -68,6 +68,14 @@ class Light {
   virtual float pdfEscaped(Point<World> from, Vector<World> direction) const;
   /// Radiance that a ray sees which leaves the scene.
   virtual Color escaped(Vector<World> direction) const;
+  /// Both at once.
+  struct Escaped {
+    Color radiance;
+    float pdf = 0;
+  };
+  virtual Escaped escapedWithPdf(Point<World> from, Vector<World> direction) const {
+    return {escaped(direction), pdfEscaped(from, direction)};
+  }
 
   /// Emitted power in watts (per scene unit², where lengths are scene units). `sceneRadius` bounds the scene for lights
   /// at infinity.

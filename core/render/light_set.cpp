@@ -161,6 +161,12 @@ float LightSet::pdfVolumes(Point<World> from, Vector<World> direction) const {
   return sum;
 }
 
+Light::Escaped LightSet::escapedWithPdf(std::uint32_t index, Point<World> from, Vector<World> direction) const {
+  Light::Escaped found = lights_[index]->escapedWithPdf(from, direction);
+  found.pdf *= probability(index, from);
+  return found;
+}
+
 float LightSet::pdfEscaped(std::uint32_t index, Point<World> from, Vector<World> direction) const {
   return probability(index, from) * lights_[index]->pdfEscaped(from, direction);
 }

@@ -101,6 +101,8 @@ class LightSet {
   /// The pdf of `sample` for a hit of light `index`, and for a direction in which light `index` is seen at infinity.
   float pdf(std::uint32_t index, Point<World> from, const LightHit& hit) const;
   float pdfEscaped(std::uint32_t index, Point<World> from, Vector<World> direction) const;
+  /// With the radiance of that light.
+  Light::Escaped escapedWithPdf(std::uint32_t index, Point<World> from, Vector<World> direction) const;
   /// The density of directions in which any medium that glows is sampled.
   float pdfVolumes(Point<World> from, Vector<World> direction) const;
   bool hasVolumes() const { return hasOptionalEffects && !volumes_.empty(); }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/volume/blended_phase.h"
 #include "core/volume/phase_mixture.h"
 #include "core/volume/tabulated_phase.h"
 
@@ -78,6 +79,10 @@ std::shared_ptr<const volume::PhaseFunction> makePhase(const scene::Phase& phase
     case tabphase:
       return std::make_shared<volume::TabulatedPhase>(phase.values);
     case blendphase:
+      if (phase.isWeightFed) {
+        return std::make_shared<volume::BlendedPhase>(makePhase(phase.parts[0], registry),
+                                                      makePhase(phase.parts[1], registry));
+      }
       add(parts, 1 - phase.weight, makePhase(phase.parts[0], registry));
       add(parts, phase.weight, makePhase(phase.parts[1], registry));
       break;

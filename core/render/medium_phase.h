@@ -9,7 +9,8 @@
 
 namespace aerosol::render {
 
-/// The phase function as described, without parameters of its own. It may refer to functions of `registry`.
+/// The phase function as described. Its one parameter is the anisotropy that the medium's shader gives: the weight of a
+/// blend that is fed, nothing to others. It may refer to functions of `registry`.
 std::shared_ptr<const volume::PhaseFunction> makePhase(const scene::Phase& phase, const Registry& registry);
 
 }  // namespace aerosol::render

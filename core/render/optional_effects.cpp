@@ -35,6 +35,7 @@ std::vector<std::string> optionalEffectsOf(const PreparedScene& scene) {
                                    std::ranges::any_of(media, &volume::Medium::mayScatter)},
       {"light-splitting", scene.splitsLights.isCalledFor()},
       {"contribution-roulette", !scene.contributions.isEmpty()},
+      {"clamped-indirect", scene.path.clampsIndirect.isCalledFor()},
       {"joint-lights", scene.lightChoice == LightChoice::tabulated},
       {"lamp-directions", !scene.lampsInMedia.empty()},
       {"volume-emission", scene.lights.hasVolumes()},

@@ -44,9 +44,10 @@ void setUpCamera(Preparation& state) {
       state.description.sampler.type == scene::SamplerType::sobol ? SamplerKind::sobol : SamplerKind::independent;
   state.scene->seed = static_cast<std::uint64_t>(state.description.sampler.seed);
   const scene::Integrator& integrator = state.description.integrator;
-  state.scene->path = {integrator.maxDepth,    integrator.rrDepth,       integrator.hideEmitters,
-                       integrator.stepScale,   integrator.equiangular,   integrator.splitLights,
-                       integrator.jointLights, integrator.lampDirections};
+  state.scene->path = {integrator.maxDepth,     integrator.rrDepth,        integrator.hideEmitters,
+                       integrator.stepScale,    integrator.equiangular,    integrator.splitLights,
+                       integrator.jointLights,  integrator.lampDirections, integrator.clampIndirect > 0,
+                       integrator.clampIndirect};
   state.scene->loopBudget = state.options.loopBudget;
 }
 

@@ -79,6 +79,8 @@ struct PathSettings {
   float splitThreshold = 0;    ///< Clusters of lights are split whose spread is a larger part of all light; 0: none.
   bool jointLights = false;    ///< Places along rays for lights come from the tables of marching.
   bool lampDirections = true;  ///< And directions towards lamps in media.
+  EffectSwitch clampsIndirect = false;
+  float clampIndirect = 0;  ///< The largest value of light that was scattered twice or more, where it is clamped.
 };
 
 /// How a medium moves by its velocity: its shader is run at x - (t - reference) v(x).

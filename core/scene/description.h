@@ -122,6 +122,7 @@ struct Phase {
   float particleDiameter_um = 8;  ///< Of mie: water droplets.
   float weight = 0.5f;            ///< Of blendphase: share of the second part, in [0, 1].
   std::vector<float> values;      ///< Of tabphase: over the cosine from -1 to 1, two at least, not all zero.
+  bool isWeightFed = false;       ///< Of blendphase: the medium's shader gives the weight, in the place of g.
   std::vector<Phase> parts;       ///< Of blendphase: two.
   Origin origin;
 };
@@ -152,7 +153,8 @@ struct Integrator {
   int maxDepth = -1;  ///< Longest path: 1 shows emitters, 2 direct light …; -1 is unbounded.
   int rrDepth = 5;    ///< Path length from which Russian roulette is played, at least 1.
   bool hideEmitters = false;
-  bool lowerPriorityWins = false;                                          ///< Of surface-defined media that overlap.
+  float clampIndirect = 0;         ///< Largest value of a path's light after its first scattering; 0: none.
+  bool lowerPriorityWins = false;  ///< Of surface-defined media that overlap.
   DistanceSampling distance = DistanceSampling::automatic;                 ///< For media that do not choose.
   TransmittanceSampling transmittance = TransmittanceSampling::automatic;  ///< For media that do not choose.
   bool equiangular = true;     ///< Distances in media are also chosen for the lights beside a ray.

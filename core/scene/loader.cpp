@@ -23,7 +23,7 @@ Reading readText(std::string text, const std::string& name, const std::filesyste
   Reading reading;
   // Without one element below the root there is nothing to check: the file could not be read, or that is the error.
   if (!tree.scene.children.empty() || !reporter.failed()) {
-    reading.scene = describeScene(tree, options.knownTypes, *sources, reporter);
+    reading.scene = describeScene(tree, options.knownTypes, *sources, options.sensor, reporter);
     reading.scene->searchPath = tree.searchPath;
     reading.scene->searchPath.insert(reading.scene->searchPath.begin(),
                                      directory.empty() ? std::filesystem::path(".") : directory);

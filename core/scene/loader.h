@@ -17,6 +17,7 @@ struct LoadOptions {
   std::map<std::string, std::string> defines;  ///< `-D name=value`; each has to be used by the scene.
   std::vector<std::string> overrides;          ///< `--set target.parameter=value`, applied in order (see overrides.h).
   KnownTypes knownTypes;                       ///< Object types of plugins.
+  std::string sensor = {};                     ///< Which of several, by id or number from 0; empty: the first.
 };
 
 /// Reads a scene file. All errors that could be found come back together; `warnings` gets what is merely doubtful.

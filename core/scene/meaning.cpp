@@ -11,6 +11,7 @@
 #include "core/scene/id_table.h"
 #include "core/scene/integrator_reader.h"
 #include "core/scene/property_reader.h"
+#include "core/scene/sensor_reader.h"
 #include "core/scene/shader_builder.h"
 #include "core/scene/syntax.h"
 #include "core/scene/tables.h"
@@ -22,16 +23,18 @@ namespace {
 /// Builds one description from one tree.
 class SceneBuilder {
  public:
-  SceneBuilder(const SceneTree& tree, const KnownTypes& known, const SourceTexts& texts, Reporter& reporter)
+  SceneBuilder(const SceneTree& tree, const KnownTypes& known, const SourceTexts& texts, const std::string& sensor,
+               Reporter& reporter)
       : tree_(tree),
         known_(known),
         texts_(texts),
+        sensor_(sensor),
         reporter_(reporter),
         ids_(tree, reporter),
         shaders_(scene_, ids_, reporter) {}
 
   SceneDescription build() {
-    readSensorTree();
+    readSensors(tree_, sensor_, ids_, shaders_, reporter_, scene_);
     if (const Element* integrator = singleOf("integrator")) {
       readIntegrator(*integrator, ids_, reporter_, scene_.integrator);
     } else {
@@ -61,59 +64,6 @@ class SceneBuilder {
   std::optional<std::size_t> readTyped(const Element& element, const std::vector<TypeTable<T>>& tables, T& object) {
     const TypeTable<T>* table = scene::readTyped(element, tables, object, reporter_);
     return table ? std::optional(static_cast<std::size_t>(table - tables.data())) : std::nullopt;
-  }
-
-  void readSensorTree() {
-    const Element* element = singleOf("sensor");
-    if (!element) {
-      reporter_.error(tree_.scene.location, "the scene has no sensor",
-                      {"write a <sensor type=\"perspective\"> into it"});
-      return;
-    }
-    Sensor& sensor = scene_.sensor;
-    const int before = reporter_.errorCount();
-    if (const auto type = readTyped(*element, sensorTypes(), sensor)) sensor.type = static_cast<SensorType>(*type);
-    if (sensor.origin.has("fov") && sensor.origin.has("focal_length")) {
-      reporter_.error(sensor.origin.of("focal_length"),
-                      "'fov' and 'focal_length' both give the angle: write one of them");
-    }
-    if (reporter_.errorCount() == before) checkSensor(sensor, reporter_);
-    const std::vector<Child> children = ids_.children(*element, {"film", "sampler", "medium"}, reporter_);
-    const Child film = IdTable::single(children, "film", reporter_);
-    const Child sampler = IdTable::single(children, "sampler", reporter_);
-    const Child medium = IdTable::single(children, "medium", reporter_);
-    scene_.film.origin.location = scene_.film.filter.origin.location = element->location;
-    scene_.sampler.origin.location = element->location;
-    if (film.object) readFilm(*film.object);
-    if (sampler.object) readSampler(*sampler.object);
-    if (medium.object) sensor.medium = shaders_.medium(*medium.object);
-  }
-
-  void readFilm(const Element& element) {
-    Film& film = scene_.film;
-    const int before = reporter_.errorCount();
-    readTyped(element, filmTypes(), film);
-    if (reporter_.errorCount() == before) checkFilm(film, reporter_);
-    film.filter.origin.location = element.location;
-    const Child filter = IdTable::single(ids_.children(element, {"rfilter"}, reporter_), "rfilter", reporter_);
-    if (!filter.object) return;
-    const auto type = readTyped(*filter.object, filterTypes(), film.filter);
-    if (type) film.filter.type = static_cast<FilterType>(*type);
-    completeFilter(film.filter);
-    ids_.children(*filter.object, {}, reporter_);
-  }
-
-  void readSampler(const Element& element) {
-    const auto type = readTyped(element, samplerTypes(), scene_.sampler);
-    ids_.children(element, {}, reporter_);
-    if (!type) return;
-    const TypeTable<Sampler>& table = samplerTypes()[*type];
-    scene_.sampler.type = table.type == "independent" ? SamplerType::independent : SamplerType::sobol;
-    if (table.substitute.empty()) return;
-    reporter_.warning(element.typeLocation,
-                      fmt::format("instead of the sampler '{}' the low-discrepancy sampler '{}' is used", table.type,
-                                  table.substitute),
-                      {fmt::format("write '{}' to choose it, or 'independent'", table.substitute)});
   }
 
   std::optional<Emitter> readEmitter(const Element& element) {
@@ -411,6 +361,7 @@ class SceneBuilder {
   const SceneTree& tree_;
   const KnownTypes& known_;
   const SourceTexts& texts_;
+  const std::string& sensor_;
   Reporter& reporter_;
   SceneDescription scene_;
   IdTable ids_;
@@ -421,8 +372,8 @@ class SceneBuilder {
 }  // namespace
 
 SceneDescription describeScene(const SceneTree& tree, const KnownTypes& known, const SourceTexts& texts,
-                               Reporter& reporter) {
-  return SceneBuilder(tree, known, texts, reporter).build();
+                               const std::string& sensor, Reporter& reporter) {
+  return SceneBuilder(tree, known, texts, sensor, reporter).build();
 }
 
 }  // namespace aerosol::scene

@@ -161,6 +161,30 @@ Index ShaderBuilder::displacement(const Element& element) {
   return entry->second;
 }
 
+/// A texture for the weight of a blend: the medium's shader will give it. False when there can be none, which is
+/// reported.
+bool ShaderBuilder::takeWeight(const Element& blend, std::vector<Child>& children, Phase& phase) {
+  const auto isPhase = [](const Child& child) { return child.object->tag == "phase"; };
+  for (const Child& child : children) {
+    if (isPhase(child)) continue;
+    const bool isInner = !open_.empty() && open_.back()->tag == "phase";
+    if (child.use->name != "weight" || phaseWeight_ || isInner || phase.origin.has("weight")) {
+      reporter_.error(child.use->location,
+                      child.use->name != "weight" ? fmt::format("a blendphase has no texture '{}'", child.use->name)
+                      : isInner                   ? "the weight of a blendphase inside of another one is a number"
+                                                  : "the weight is given twice",
+                      {"a texture or a volume may be the weight of the outer one, by the name \"weight\""});
+      return false;
+    }
+    phaseWeight_ = child;
+    phase.isWeightFed = true;
+  }
+  std::erase_if(children, [&](const Child& child) { return !isPhase(child); });
+  if (children.size() == 2) return true;
+  reporter_.error(blend.location, fmt::format("a blendphase has two phases, this one has {}", children.size()));
+  return false;
+}
+
 /// A phase function with its parts. None where something is wrong, which is reported.
 std::optional<Phase> ShaderBuilder::readPhase(const Element& element) {
   if (std::find(open_.begin(), open_.end(), &element) != open_.end()) {
@@ -171,14 +195,11 @@ std::optional<Phase> ShaderBuilder::readPhase(const Element& element) {
   const TypeTable<Phase>* type = readTyped(element, phaseTypes(), phase, reporter_);
   if (type) phase.type = static_cast<PhaseType>(type - phaseTypes().data());
   const bool isBlend = type && phase.type == PhaseType::blendphase;
-  std::vector<Child> children =
-      ids_.children(element, isBlend ? std::vector<std::string>{"phase"} : std::vector<std::string>{}, reporter_);
+  const auto tags = isBlend ? std::vector<std::string>{"phase", "texture", "volume"} : std::vector<std::string>{};
+  std::vector<Child> children = ids_.children(element, tags, reporter_);
   if (!type) return std::nullopt;
   if (!isBlend) return phase;
-  if (children.size() != 2) {
-    reporter_.error(element.location, fmt::format("a blendphase has two phases, this one has {}", children.size()));
-    return std::nullopt;
-  }
+  if (!takeWeight(element, children, phase)) return std::nullopt;
   if (children[1].use->name < children[0].use->name && !children[1].use->name.empty())
     std::swap(children[0], children[1]);
   open_.push_back(&element);
@@ -189,13 +210,29 @@ std::optional<Phase> ShaderBuilder::readPhase(const Element& element) {
   return phase.parts.size() == 2 ? std::optional(std::move(phase)) : std::nullopt;
 }
 
+/// A weight that varies comes from the shader, through the parameter that a mixture of fixed parts has no use for.
+void ShaderBuilder::feedWeight(const Child& weight, ShaderUse& shader) {
+  const SourceLocation& place = weight.use->nameLocation;
+  if (shader.find("g")) {
+    reporter_.error(place, "the medium gives its 'g', and a blendphase takes it for its weight",
+                    {fmt::format("remove the one at {}", format(shader.find("g")->location))});
+    return;
+  }
+  const std::optional<Index> source = layer(weight);
+  if (!source) return;
+  shader.origin.parameters["g"] = place;
+  shader.inputs.push_back({"g", weight.use->output, *source, place, weight.use->outputLocation});
+}
+
 /// Mitsuba writes the phase function as an object of its own. A Henyey-Greenstein one is what media's shaders have, so
 /// it becomes their parameter `g`; others take the place of what the shader says.
 void ShaderBuilder::addPhase(const std::vector<Child>& children, Medium& medium) {
   const Child child = IdTable::single(children, "phase", reporter_);
   if (!child.object) return;
+  phaseWeight_.reset();
   std::optional<Phase> phase = readPhase(*child.object);
   if (!phase) return;
+  if (phaseWeight_) feedWeight(*phaseWeight_, medium.shader);
   if (phase->type != PhaseType::hg && phase->type != PhaseType::isotropic) {
     medium.phase = std::move(*phase);
     return;

@@ -36,6 +36,8 @@ class ShaderBuilder {
   std::optional<Index> layer(const Child& child);
   void addPhase(const std::vector<Child>& children, Medium& medium);
   std::optional<Phase> readPhase(const Element& element);
+  void feedWeight(const Child& weight, ShaderUse& shader);
+  bool takeWeight(const Element& blend, std::vector<Child>& children, Phase& phase);
 
   SceneDescription& scene_;
   IdTable& ids_;
@@ -45,6 +47,7 @@ class ShaderBuilder {
   std::map<const Element*, Index> displacements_;
   std::map<const Element*, Index> layers_;
   std::vector<const Element*> open_;  ///< Layers around the one that is being built.
+  std::optional<Child> phaseWeight_;  ///< What feeds the weight of the blendphase that is being read.
   std::optional<Index> grey_;
   std::optional<Index> black_;
 };

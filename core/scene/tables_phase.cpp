@@ -59,7 +59,8 @@ const std::vector<TypeTable<Phase>>& phaseTypes() {
        .doc = "a mean of two phase functions",
        .fields = {field<&Phase::weight>(
            {.name = "weight", .doc = "share of the second one", .range = {.minimum = 0, .maximum = 1}})},
-       .nested = "two phases: those with names in the order of the names"}};
+       .nested = "two phases, those with names in the order of the names; a texture or volume named weight, which is "
+                 "fed to the medium's g"}};
   return tables;
 }
 

@@ -301,6 +301,12 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
                       "the render tells (contribution); auto takes the latter for pictures of 1024 pixels or more "
                       "in which media scatter"}),
              field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
+             field<&Integrator::clampIndirect>(
+                 {.name = "clamp_indirect",
+                  .unit = "radiance",
+                  .doc = "what a path brings at once after its second scattering is dimmed to this: fewer bright dots, "
+                         "and a picture that is too dark, which is reported; 0: nothing is dimmed",
+                  .range = Range::atLeast(0)}),
              field<&Integrator::lowerPriorityWins>(
                  {.name = "lower_priority_wins",
                   .doc = "where media inside of surfaces overlap, the lower priority rules, not the higher"}),

@@ -45,21 +45,16 @@ struct Dielectric {
 
   /// Whether facets do not reflect as Fresnel's equations say for `eta`.
   bool hasOwnCurve() const { return film.isThere(); }
-  float reflectance(float cosine) const { return average(curve(cosine)); }
-  Color reflected(float cosine) const { return reflectionTint * curve(cosine); }
-  Color transmitted(float cosine) const { return transmissionTint * (Color(1) - curve(cosine)); }
+  Color curve(float cosine) const {
+    if (film.isThere()) return filmReflectance(film, cosine, Color(eta), Color());
+    return Color(fresnelDielectric(cosine, eta));
+  }
 
   Vector<World> normal, tangent;
   Color reflectionTint, transmissionTint;
   float alphaX, alphaY, eta;
   Microfacets::Finish finish;
   ThinFilm film;
-
- private:
-  Color curve(float cosine) const {
-    if (film.isThere()) return filmReflectance(film, cosine, Color(eta), Color());
-    return Color(fresnelDielectric(cosine, eta));
-  }
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "core/render/facet_albedo.h"
+#include "core/render/fresnel.h"
 #include "core/render/microfacet.h"
 #include "core/render/thin_film.h"
 #include "plugins/closures/lobe_closure.h"
@@ -21,9 +22,17 @@ inline ThinFilm filmAt(const ClosurePoint& point, float thickness_nm, float ior,
 }
 
 /// `Model` has the names of a lobe, `normal`, `tangent`, `alphaX`, `alphaY`, `finish` and `eta`, the far index over the
-/// near one, and gives `reflected(cosine)` and `transmitted(cosine)`, the colours that one facet sends either way, and
-/// `reflectance(cosine)`, the mean of the first without tints, where that is not Fresnel's for `eta` (or not always:
-/// `hasOwnCurve`).
+/// near one, and gives `curve(cosine)`, the part of the light that one facet reflects (it lets the rest through), each
+/// channel in [0, 1], and the factors `reflectionTint` and `transmissionTint`.
+///
+/// Light that shadowing takes from what one facet reflects, or that is sent to the wrong side, meets another facet.
+/// Instead of following it from facet to facet (Heitz, Hanika, d'Eon and Dachsbacher 2016, "Multiple-Scattering
+/// Microfacet BSDFs with the Smith Model") we let each such ray end at its second meeting, as reflection between the
+/// two faces of a groove does (Lee et al. 2018, "Practical multiple scattering for rough surfaces"): the second facet
+/// reflects the mean ρ of Fresnel's curve and lets 1 - ρ through, and what arrives on a side from the wrong direction
+/// is turned over at the plane of the surface. What was refracted is not shadowed once more on its way out. So
+/// everything that arrives goes somewhere, whatever the widths, the index and the curve are, and no table of albedos
+/// has to be exact for that.
 template <class Model>
 class FacetBoundary {
  public:
@@ -37,46 +46,29 @@ class FacetBoundary {
         point_(point),
         frame_(model_.normal, model_.tangent, point.toViewer),
         facets_(model_.finish, model_.alphaX, model_.alphaY),
-        viewer_(frame_.toLocal(point.toViewer)) {
-    if (!isVisible() || isSmooth() || facets_.isSingle()) return;
-    factor_ = 1 / std::clamp(1.006f * keptOnce(), 0.2f, 1.0f);
-  }
+        viewer_(frame_.toLocal(point.toViewer)),
+        second_(model_.eta) {}
 
   /// Shading normals that the viewer sees from behind scatter nothing.
   bool isVisible() const { return viewer_.z > 1e-6f && model_.eta > 0; }
 
   Color albedo() const {
-    if (isSmooth() || facets_.isSingle()) return model_.reflected(viewer_.z) + model_.transmitted(viewer_.z);
-    const BoundaryAlbedo once =
-        boundaryAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), model_.eta, viewer_);
-    const float f = fresnelDielectric(viewer_.z, model_.eta);
-    const auto scaled = [&](Color c, float part, float expected) {
-      return expected > 1e-4f ? c * (part * factor_ / expected) : c;
-    };
-    const Color all = scaled(model_.reflected(viewer_.z), once.reflected, f) +
-                      scaled(model_.transmitted(viewer_.z), once.transmitted, 1 - f);
-    return {std::min(all.r, 1.0f), std::min(all.g, 1.0f), std::min(all.b, 1.0f)};
+    if (isSmooth() || facets_.isSingle()) return reflected(viewer_.z) + transmitted(viewer_.z);
+    BoundaryShares shares = boundaryShares(facets_, model_.eta, viewer_);
+    const Color tints[] = {model_.reflectionTint, model_.transmissionTint,
+                           model_.reflectionTint * model_.transmissionTint};
+    Color reflection(shares.reflected), transmission(shares.transmitted);
+    if (hasOwnCurve()) addOwnCurve(reflection, transmission);
+    Color all;
+    for (int c = 0; c < 3; ++c) {
+      const float r = std::clamp(reflection[c], 0.0f, 1.0f), t = std::clamp(transmission[c], 0.0f, 1 - r);
+      all[c] = std::clamp(tints[0][c] * r + tints[1][c] * t + tints[2][c] * (1 - r - t), 0.0f, 1.0f);
+    }
+    return all;
   }
 
-  Color evaluate(Vector<World> toLight) const {
-    const std::optional<Facet> facet = facetOf(toLight);
-    if (!facet) return Color();
-    const float vh = dot(viewer_, facet->h);
-    const float shape = factor_ * facets_.density(facet->h) * facets_.seenByBoth(viewer_, facet->light);
-    if (facet->reflects) return model_.reflected(vh) * (shape / (4 * viewer_.z));
-    const float lh = dot(facet->light, facet->h), sum = vh + model_.eta * lh;
-    return model_.transmitted(vh) * (shape * std::fabs(vh * lh) / (viewer_.z * sum * sum));
-  }
-
-  float pdf(Vector<World> toLight) const {
-    const std::optional<Facet> facet = facetOf(toLight);
-    if (!facet) return 0;
-    const float chosen = facets_.visibleDensity(viewer_, facet->h);
-    const float vh = dot(viewer_, facet->h), reflection = reflectionChance(vh);
-    if (facet->reflects) return reflection * chosen / (4 * std::max(vh, 1e-12f));
-    const float lh = dot(facet->light, facet->h), eta = model_.eta, sum = vh + eta * lh;
-    return (1 - reflection) * chosen * eta * eta * std::fabs(lh) / (sum * sum);
-  }
+  Color evaluate(Vector<World> toLight) const { return scattered(toLight).value; }
+  float pdf(Vector<World> toLight) const { return scattered(toLight).pdf; }
 
   std::optional<ClosureSample> sample(const ClosureUniforms& u) const {
     const Vector<Local> h = isSmooth() ? Vector<Local>(0, 0, 1) : facets_.sampleVisible(viewer_, u.place);
@@ -84,84 +76,131 @@ class FacetBoundary {
     if (!(cosine > 0)) return {};
     const float reflection = reflectionChance(cosine);
     const bool reflects = u.choice < reflection;
-    const std::optional<Vector<Local>> light =
+    std::optional<Vector<Local>> light =
         reflects ? std::optional(reflectAt(viewer_, h)) : refractAt(viewer_, h, model_.eta);
-    if (!light || (light->z > 0) != reflects) return {};
+    if (!light) return {};
+    const float rest = reflects ? u.choice / reflection : (u.choice - reflection) / (1 - reflection);
+    if (!isSmooth() && !facets_.isSingle()) light = afterSecond(*light, reflects, rest);
+    const bool stays = light->z > 0;
+    if (stays != reflects && (isSmooth() || facets_.isSingle())) return {};
     ClosureSample sample;
     sample.direction = normalize(frame_.toWorld(*light));
-    if (!isOnItsSide(point_, sample.direction, reflects)) return {};
-    const float scale = reflects ? 1 : 1 / (model_.eta * model_.eta);
+    if (!isOnItsSide(point_, sample.direction, stays)) return {};
+    const float scale = stays ? 1 : 1 / (model_.eta * model_.eta);
     sample.radianceScale = scale;
     if (isSmooth()) {
       sample.isDelta = true;
       sample.pdf = reflects ? reflection : 1 - reflection;
-      sample.weight = (reflects ? model_.reflected(cosine) : model_.transmitted(cosine) * scale) / sample.pdf;
+      sample.weight = (reflects ? reflected(cosine) : transmitted(cosine) * scale) / sample.pdf;
       return sample;
     }
-    sample.pdf = pdf(sample.direction);
-    if (!(sample.pdf > 0)) return {};
-    sample.weight = evaluate(sample.direction) / sample.pdf;
+    const Scattered found = scattered(sample.direction);
+    if (!(found.pdf > 0) || isBlack(found.value)) return {};
+    sample.pdf = found.pdf;
+    sample.weight = found.value / found.pdf;
     return sample;
   }
 
  private:
-  /// The facet that sends light from one direction to the viewer.
-  struct Facet {
-    Vector<Local> light, h;
-    bool reflects = false;
+  struct Scattered {
+    Color value;
+    float pdf = 0;
   };
 
   /// Polished, or between equal indices, where facets bend nothing.
   bool isSmooth() const { return std::max(model_.alphaX, model_.alphaY) < 1e-3f || std::fabs(model_.eta - 1) < 1e-3f; }
 
-  /// What facets leave of the light that meets one of them. Where the model reflects more than a dielectric, a mixture
-  /// of that with mirrors; where it reflects less, one with facets that let everything through.
-  float keptOnce() const {
-    const BoundaryAlbedo once =
-        boundaryAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), model_.eta, viewer_);
-    if constexpr (requires { model_.reflectance(1.0f); }) {
-      if (!hasOwnCurve()) return once.reflected + once.transmitted;
-      const float own = model_.reflectance(viewer_.z), fresnel = fresnelDielectric(viewer_.z, model_.eta);
-      const float kept = once.reflected + once.transmitted;
-      const float mirror = mirrorAlbedo(facets_.shape(), facets_.alphaX(), facets_.alphaY(), viewer_);
-      const float passed = fresnel < 0.999f ? std::min(once.transmitted / (1 - fresnel), 1.0f) : 1;
-      // What films reflect goes up and down with the angle: as if all of it was mirrored, rather too little comes back.
-      if (hasFilm()) return own * mirror + (1 - own) * passed;
-      if (own >= fresnel) return fresnel < 1 ? kept + (mirror - kept) * (own - fresnel) / (1 - fresnel) : kept;
-      return kept + (passed - kept) * (fresnel - own) / fresnel;
-    }
-    return once.reflected + once.transmitted;
-  }
-
-  bool hasFilm() const {
-    if constexpr (requires { model_.film.isThere(); }) return model_.film.isThere();
-    return false;
-  }
   bool hasOwnCurve() const {
     if constexpr (requires { model_.hasOwnCurve(); }) return model_.hasOwnCurve();
     return true;
   }
 
-  std::optional<Facet> facetOf(Vector<World> toLight) const {
-    if (isSmooth()) return {};
-    Facet facet;
-    facet.light = frame_.toLocal(toLight);
-    if (facet.light.z == 0) return {};
-    facet.reflects = facet.light.z > 0;
-    if (!isOnItsSide(point_, toLight, facet.reflects)) return {};
-    Vector<Local> h = facet.reflects ? viewer_ + facet.light : -(viewer_ + facet.light * model_.eta);
-    if (!(squaredLength(h) > 1e-12f)) return {};
-    h = normalize(h);
-    facet.h = h.z < 0 ? -h : h;
-    const float vh = dot(viewer_, facet.h), lh = dot(facet.light, facet.h);
-    // Facets seen from behind: nothing (Walter et al., the factor χ).
-    if (!(vh > 0) || (lh > 0) != facet.reflects) return {};
-    return facet;
+  /// Where reflection is total the curve has nothing to say.
+  Color curve(float cosine) const {
+    return 1 - cosine * cosine >= model_.eta * model_.eta ? Color(1) : model_.curve(cosine);
   }
+  Color reflected(float cosine) const { return model_.reflectionTint * curve(cosine); }
+  Color transmitted(float cosine) const { return model_.transmissionTint * (Color(1) - curve(cosine)); }
 
   float reflectionChance(float cosine) const {
-    const float r = average(model_.reflected(cosine)), t = average(model_.transmitted(cosine));
+    const Color part = curve(cosine);
+    const float r = average(model_.reflectionTint * part), t = average(model_.transmissionTint * (Color(1) - part));
     return r + t > 0 ? r / (r + t) : 0;
+  }
+
+  /// The difference that the model's own curve makes to Fresnel's, over some of the facets that are seen.
+  void addOwnCurve(Color& reflection, Color& transmission) const {
+    constexpr int count = 16;
+    overVisibleFacets(count, facets_, viewer_, [&](Vector<Local> h) {
+      const float cosine = dot(viewer_, h);
+      const Color more = curve(cosine) - Color(fresnelDielectric(cosine, model_.eta));
+      const FacetFate fate(facets_, second_, model_.eta, viewer_, h);
+      reflection += more * (fate.reflectionStays / count);
+      transmission += more * (-fate.transmissionStays / count);
+      return 0.0f;
+    });
+  }
+
+  /// Where light goes that one facet has sent to `light`; `u` decides what the second one does.
+  Vector<Local> afterSecond(Vector<Local> light, bool reflects, float u) const {
+    const Vector<Local> over(light.x, light.y, -light.z);
+    if (!reflects) return light.z < 0 ? light : u < second_.below ? over : light;
+    if (light.z > 0) return u < second_.stays(facets_, viewer_, light) ? light : over;
+    return u < second_.above ? over : light;
+  }
+
+  Scattered scattered(Vector<World> toLight) const {
+    Scattered sum;
+    if (isSmooth()) return sum;
+    const Vector<Local> light = frame_.toLocal(toLight);
+    if (light.z == 0 || !isOnItsSide(point_, toLight, light.z > 0)) return sum;
+    const bool stays = light.z > 0;
+    const Color& tint = stays ? model_.reflectionTint : model_.transmissionTint;
+    if (facets_.isSingle()) {
+      const float seen = facets_.seen(light);
+      stays ? addReflected(sum, light, 1, tint * seen) : addRefracted(sum, light, 1, tint * seen);
+      return sum;
+    }
+    const Color both = model_.reflectionTint * model_.transmissionTint;
+    const Vector<Local> over(light.x, light.y, -light.z);
+    const float squaredEta = model_.eta * model_.eta;
+    if (stays) {
+      addReflected(sum, light, second_.stays(facets_, viewer_, light), tint);
+      addReflected(sum, over, second_.above, tint);
+      addRefracted(sum, light, 1 - second_.below, both * squaredEta);
+    } else {
+      addRefracted(sum, light, 1, tint);
+      addRefracted(sum, over, second_.below, tint);
+      addReflected(sum, over, 1 - second_.stays(facets_, viewer_, over), both / squaredEta);
+      addReflected(sum, light, 1 - second_.above, both / squaredEta);
+    }
+    return sum;
+  }
+
+  /// The part `share` of what facets reflect to `light`, on whichever side that is.
+  void addReflected(Scattered& sum, Vector<Local> light, float share, Color factor) const {
+    const std::optional<Vector<Local>> h = share > 0 ? facetBetween(viewer_ + light) : std::nullopt;
+    if (!h || !(dot(viewer_, *h) > 0)) return;
+    const float vh = dot(viewer_, *h);
+    sum.value += factor * curve(vh) * (share * facets_.density(*h) * facets_.seen(viewer_) / (4 * viewer_.z));
+    sum.pdf += share * reflectionChance(vh) * facets_.visibleDensity(viewer_, *h) / (4 * std::max(vh, 1e-12f));
+  }
+  /// Of what they refract. Facets seen from behind: nothing (Walter et al., the factor χ).
+  void addRefracted(Scattered& sum, Vector<Local> light, float share, Color factor) const {
+    const float eta = model_.eta;
+    const std::optional<Vector<Local>> h = share > 0 ? facetBetween(viewer_ + light * eta) : std::nullopt;
+    if (!h) return;
+    const float vh = dot(viewer_, *h), lh = dot(light, *h), way = vh + eta * lh;
+    if (!(vh > 0) || !(lh < 0)) return;
+    const float spread = std::fabs(lh) / (way * way);
+    sum.value += factor * (Color(1) - curve(vh)) *
+                 (share * facets_.density(*h) * facets_.seen(viewer_) * vh * spread / viewer_.z);
+    sum.pdf += share * (1 - reflectionChance(vh)) * facets_.visibleDensity(viewer_, *h) * eta * eta * spread;
+  }
+  static std::optional<Vector<Local>> facetBetween(Vector<Local> sum) {
+    if (!(squaredLength(sum) > 1e-12f)) return {};
+    const Vector<Local> h = normalize(sum);
+    return h.z < 0 ? -h : h;
   }
 
   Model model_;
@@ -169,7 +208,7 @@ class FacetBoundary {
   LocalFrame frame_;
   Microfacets facets_;
   Vector<Local> viewer_;
-  float factor_ = 1;
+  SecondMeeting second_;
 };
 
 }  // namespace aerosol::render

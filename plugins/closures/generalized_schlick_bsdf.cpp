@@ -54,19 +54,11 @@ struct GeneralizedSchlick {
         finish(Microfacets::finishAt(p[21])),
         film(filmAt(point, p[22], p[23], eta)) {}
 
-  /// From the denser side by the angle on the other one, which is 90 degrees where reflection is total.
   Color curve(float cosine) const {
     if (film.isThere()) return filmReflectance(film, cosine, baseIndex(), Color());
-    if (eta >= 1) return fresnelSchlick(cosine, f0, f90, exponent);
-    const float sineSquared = (1 - cosine * cosine) / (eta * eta);
-    if (sineSquared >= 1) return Color(1);
-    return fresnelSchlick(std::sqrt(1 - sineSquared), f0, f90, exponent);
-  }
-  float reflectance(float cosine) const { return std::min(average(curve(cosine)), 1.0f); }
-  Color reflected(float cosine) const { return reflectionTint * curve(cosine); }
-  Color transmitted(float cosine) const {
-    const Color rest = Color(1) - curve(cosine);
-    return transmissionTint * Color(std::max(rest.r, 0.0f), std::max(rest.g, 0.0f), std::max(rest.b, 0.0f));
+    const Color reflectance = fresnelSchlick(cosineOutside(cosine), f0, f90, exponent);
+    return {std::clamp(reflectance.r, 0.0f, 1.0f), std::clamp(reflectance.g, 0.0f, 1.0f),
+            std::clamp(reflectance.b, 0.0f, 1.0f)};
   }
 
   Vector<World> normal, tangent;
@@ -76,6 +68,10 @@ struct GeneralizedSchlick {
   ThinFilm film;
 
  private:
+  /// From the denser side by the angle on the other one, which is 90 degrees where reflection is total.
+  float cosineOutside(float cosine) const {
+    return eta >= 1 ? cosine : std::sqrt(std::max(0.0f, 1 - (1 - cosine * cosine) / (eta * eta)));
+  }
   /// Below a film f0 says what the base is made of, by channel.
   Color baseIndex() const {
     Color index;

@@ -8,6 +8,8 @@ namespace aerosol::render {
 
 namespace {
 
+constexpr float indexOfMirrors = 1e4f;  // Lets nothing through at a second meeting either.
+
 struct Microfacet {
   static constexpr std::string_view name = "microfacet";
   static constexpr std::string_view doc = "Reflection or refraction by microfacets";
@@ -36,24 +38,19 @@ struct Microfacet {
         alphaX(p[9] >= 0 ? p[9] : p[7]),
         alphaY(p[9] >= 0 ? p[9] : p[8]),
         isMirror(p[10] <= 0),
-        eta(isMirror ? 1.5f : point.relativeIor(std::max(p[10], 0.1f))),
-        refract(static_cast<int>(p[11])),
+        eta(isMirror ? indexOfMirrors : point.relativeIor(std::max(p[10], 0.1f))),
+        reflectionTint(isMirror || static_cast<int>(p[11]) != 1 ? 1 : 0),
+        transmissionTint(!isMirror && static_cast<int>(p[11]) >= 1 ? 1 : 0),
         finish(Microfacets::finishAt(p[0])) {}
 
-  float reflectance(float cosine) const { return isMirror ? 1 : fresnelDielectric(cosine, eta); }
-  Color reflected(float cosine) const {
-    if (isMirror) return Color(1);
-    return refract == 1 ? Color() : Color(fresnelDielectric(cosine, eta));
-  }
-  Color transmitted(float cosine) const {
-    return isMirror || refract < 1 ? Color() : Color(1 - fresnelDielectric(cosine, eta));
-  }
+  bool hasOwnCurve() const { return isMirror; }
+  Color curve(float cosine) const { return Color(isMirror ? 1 : fresnelDielectric(cosine, eta)); }
 
   Vector<World> normal, tangent;
   float alphaX, alphaY;
   bool isMirror;
   float eta;
-  int refract;
+  Color reflectionTint, transmissionTint;
   Microfacets::Finish finish;
 };
 

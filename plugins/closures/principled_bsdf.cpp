@@ -1,9 +1,10 @@
 // Disney's material: diffuse reflection with sheen, microfacets between dielectric and metal, a clear coat, and
-// refraction. An artist's model: it promises no balance of energy.
+// refraction. An artist's model, whose parts know nothing of each other: where their sum would be more than arrives,
+// all of them are dimmed alike. Elsewhere it loses what several facets scatter, as in Mitsuba.
 
 #include "core/render/fresnel.h"
 #include "core/render/microfacet.h"
-#include "plugins/closures/disney.h"
+#include "plugins/closures/disney_albedo.h"
 #include "plugins/closures/lobe_closure.h"
 
 namespace aerosol::render {
@@ -27,6 +28,34 @@ class ClearCoat {
     return {sine * std::cos(turn), sine * std::sin(turn), cosine};
   }
   static float seen(Vector<Local> w) { return Microfacets({}, 0.25f, 0.25f).seen(w); }
+  /// f |cos|. `half` is the cosine to the halfway vector.
+  float evaluate(Vector<Local> viewer, Vector<Local> light, Vector<Local> h, float half) const {
+    const float fresnel = disney::mix(0.04f, 1, disney::grazing(half));
+    return 0.25f * fresnel * density(h) * seen(viewer) * seen(light) * light.z;
+  }
+
+  /// What it scatters, by gloss and the viewer's cosine. (The density at the halfway vector's tip is that of `sample`
+  /// over the cosine there.)
+  static float albedo(float gloss, float cosine) {
+    static const GridTable<2> table({12, 32}, [](std::array<float, 2> x) {
+      constexpr int count = 512;
+      const ClearCoat coat(x[0]);
+      const float z = std::max(x[1] * x[1], 1e-3f);
+      const Vector<Local> viewer(std::sqrt(1 - z * z), 0, z);
+      double sum = 0;
+      for (int i = 0; i < count; ++i) {
+        const double a = 0.5 + 0.7548776662466927 * i, b = 0.5 + 0.5698402909980532 * i;
+        const Vector<Local> h =
+            coat.sample({static_cast<float>(a - std::floor(a)), static_cast<float>(b - std::floor(b))});
+        const float half = dot(viewer, h);
+        const Vector<Local> light = reflectAt(viewer, h);
+        if (!(half > 0) || !(light.z > 0)) continue;
+        sum += static_cast<double>(coat.evaluate(viewer, light, h, half) * 4 * half / (coat.density(h) * h.z));
+      }
+      return static_cast<float>(sum / count);
+    });
+    return table({gloss, std::sqrt(cosine)});
+  }
 
  private:
   float square_ = 0;
@@ -36,7 +65,7 @@ class Principled {
  public:
   static constexpr std::string_view name = "principled_bsdf";
   static constexpr std::string_view doc = "Disney's material";
-  static constexpr ClosureTraits traits{.isBounded = false, .isReciprocal = false, .hasExactAlbedo = false};
+  static constexpr ClosureTraits traits{.isReciprocal = false, .hasExactAlbedo = false};
   static constexpr DescribedField fields[] = {
       {.name = "N", .type = FieldType::direction, .unit = "", .doc = "Shading normal"},
       {.name = "U", .type = FieldType::direction, .unit = "", .doc = "Direction in which highlights are long"},
@@ -68,7 +97,10 @@ class Principled {
         clear_((1 - metallic_) * p[12]),
         eta_(isFront_ ? p[13] : 1 / p[13]),
         facets_(Microfacets::Finish{Microfacets::Shape::ggx, true}, disney::widths(p[10], p[9])[0],
-                disney::widths(p[10], p[9])[1]) {}
+                disney::widths(p[10], p[9])[1]),
+        coatGloss_(p[19]) {
+    if (isVisible() && isFront_) factor_ = 1 / disney::excess(sumOfParts(), viewer_.z);
+  }
 
   bool isVisible() const { return viewer_.z > 1e-6f && (isFront_ || clear_ > 0); }
 
@@ -80,17 +112,12 @@ class Principled {
     const float shape = m->agrees ? facets_.density(m->h) * facets_.seenByBoth(viewer_, m->light) : 0;
     if (!m->reflects) {
       const float sum = vh + eta_ * lh;
-      const Color root(std::sqrt(base_.r), std::sqrt(base_.g), std::sqrt(base_.b));
-      return root * (clear_ * (1 - f) * shape * std::fabs(vh * lh) / (viewer_.z * sum * sum));
+      return root() * (factor_ * clear_ * (1 - f) * shape * std::fabs(vh * lh) / (viewer_.z * sum * sum));
     }
     Color value = reflectance(vh, f) * (shape / (4 * viewer_.z));
     if (!isFront_) return value;
-    if (coatWeight_ > 0 && m->agrees) {
-      const float shine = disney::schlick(Color(0.04f), vh, eta_).r * coat_.density(m->h) * ClearCoat::seen(viewer_) *
-                          ClearCoat::seen(m->light);
-      value += Color(0.25f * coatWeight_ * shine * m->light.z);
-    }
-    return value + matte(*m);
+    if (coatWeight_ > 0 && m->agrees) value += Color(coatWeight_ * coat_.evaluate(viewer_, m->light, m->h, vh));
+    return value * factor_ + matte(*m);
   }
 
   Color evaluateDiffuse(Vector<World> toLight) const {
@@ -179,8 +206,8 @@ class Principled {
     const disney::Sheet& s = sheet_;
     const float lh = dot(m.light, m.h);
     const Color sheen = disney::mix(Color(1), disney::tintOf(base_), s.sheenTint);
-    return disney::diffuse({s.roughness, s.flatness, 0, 0}, base_, viewer_.z, m.light.z, lh) * (opaque_ * m.light.z) +
-           sheen * (s.sheen * (1 - metallic_) * disney::grazing(lh) * m.light.z);
+    const Color matte = disney::diffuse({s.roughness, s.flatness, 0, 0}, base_, viewer_.z, m.light.z, lh) * opaque_;
+    return (matte + sheen * (s.sheen * (1 - metallic_) * disney::grazing(lh))) * (factor_ * m.light.z);
   }
 
   /// Dielectric, its tinted kind and metal, by their parts.
@@ -193,6 +220,26 @@ class Principled {
       sum += disney::schlick(facing, cosine, eta_) * ((1 - metallic_) * specTint_);
     }
     return sum;
+  }
+
+  Color root() const { return {std::sqrt(base_.r), std::sqrt(base_.g), std::sqrt(base_.b)}; }
+
+  /// What all parts scatter of light from everywhere, as they are; on the front.
+  Color sumOfParts() const {
+    const disney::FacetAlbedo facets = disney::facetAlbedo(facets_, eta_, viewer_);
+    Color sum = Color(facets.reflected * (1 - metallic_) * (1 - specTint_)) + root() * (clear_ * facets.transmitted);
+    if (metallic_ > 0) sum += facets.schlick(base_) * metallic_;
+    if (specTint_ > 0) {
+      const Color facing = disney::tintOf(base_) * disney::facingReflectance(eta_);
+      sum += facets.schlick(facing) * ((1 - metallic_) * specTint_);
+    }
+    if (coatWeight_ > 0) sum += Color(coatWeight_ * ClearCoat::albedo(coatGloss_, viewer_.z));
+    const disney::Sheet& s = sheet_;
+    if (!(opaque_ > 0)) return sum;
+    sum += base_ * (opaque_ * disney::diffuseAlbedo(s.roughness, s.flatness, viewer_.z));
+    if (!(s.sheen > 0)) return sum;
+    return sum + disney::mix(Color(1), disney::tintOf(base_), s.sheenTint) *
+                     (s.sheen * (1 - metallic_) * disney::sheenAlbedo(viewer_.z));
   }
 
   // Highlights and refraction share what they take together, which does not depend on the facet.
@@ -215,6 +262,8 @@ class Principled {
   ClearCoat coat_;
   float opaque_, clear_, eta_;
   Microfacets facets_;
+  float coatGloss_;
+  float factor_ = 1;
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
-// Disney's material for thin sheets: both sides are alike, light that passes is not bent. An artist's model: it
-// promises no balance of energy.
+// Disney's material for thin sheets: both sides are alike, light that passes is not bent. An artist's model, whose
+// parts know nothing of each other: where their sum would be more than arrives, all of them are dimmed alike.
 
 #include "core/render/fresnel.h"
 #include "core/render/microfacet.h"
-#include "plugins/closures/disney.h"
+#include "plugins/closures/disney_albedo.h"
 #include "plugins/closures/lobe_closure.h"
 
 namespace aerosol::render {
@@ -14,7 +14,7 @@ class PrincipledThin {
  public:
   static constexpr std::string_view name = "principled_thin_bsdf";
   static constexpr std::string_view doc = "Disney's material for thin sheets";
-  static constexpr ClosureTraits traits{.isBounded = false, .isReciprocal = false, .hasExactAlbedo = false};
+  static constexpr ClosureTraits traits{.isReciprocal = false, .hasExactAlbedo = false};
   static constexpr DescribedField fields[] = {
       {.name = "N", .type = FieldType::direction, .unit = "", .doc = "Shading normal"},
       {.name = "U", .type = FieldType::direction, .unit = "", .doc = "Direction in which highlights are long"},
@@ -41,7 +41,9 @@ class PrincipledThin {
         passing_(0.5f * p[17]),
         reflecting_(facetsOf(p[10], p[9])),
         // Burley 2015, figure 15: how much rougher or smoother what passes looks.
-        transmitting_(facetsOf(p[10], (0.65f * eta_ - 0.35f) * p[9])) {}
+        transmitting_(facetsOf(p[10], (0.65f * eta_ - 0.35f) * p[9])) {
+    if (isVisible()) factor_ = 1 / disney::excess(sumOfParts(), viewer_.z);
+  }
 
   bool isVisible() const { return viewer_.z > 1e-6f; }
 
@@ -50,10 +52,9 @@ class PrincipledThin {
     if (!m) return {};
     const float vh = dot(viewer_, m->h), f = fresnelDielectric(vh, eta_);
     const Microfacets& facets = m->reflects ? reflecting_ : transmitting_;
-    const float shape = facets.density(m->h) * facets.seenByBoth(viewer_, m->mirrored) / (4 * viewer_.z);
+    const float shape = facets.density(m->h) * facets.seenByBoth(viewer_, m->mirrored) * factor_ / (4 * viewer_.z);
     if (!m->reflects) return base_ * (clear_ * (1 - f) * shape) + matte(*m);
-    const Color facing = disney::tintOf(base_) * disney::facingReflectance(eta_);
-    const Color reflected = disney::mix(Color(f), disney::schlick(facing, vh, eta_), specTint_);
+    const Color reflected = disney::mix(Color(f), disney::schlick(facing(), vh, eta_), specTint_);
     return reflected * (clear_ * shape) + matte(*m);
   }
 
@@ -96,9 +97,23 @@ class PrincipledThin {
   };
 
   Color matte(const Meeting& m) const {
-    if (!m.reflects) return base_ * ((1 - clear_) * passing_ * inversePi * m.mirrored.z);
-    return disney::diffuse(sheet_, base_, viewer_.z, m.mirrored.z, dot(m.mirrored, m.h)) *
-           (m.mirrored.z * ((1 - clear_) * (1 - passing_)));
+    const float cosine = m.mirrored.z * factor_ * (1 - clear_);
+    if (!m.reflects) return base_ * (passing_ * inversePi * cosine);
+    return disney::diffuse(sheet_, base_, viewer_.z, m.mirrored.z, dot(m.mirrored, m.h)) * (cosine * (1 - passing_));
+  }
+
+  Color facing() const { return disney::tintOf(base_) * disney::facingReflectance(eta_); }
+
+  /// What all parts scatter of light from everywhere, as they are.
+  Color sumOfParts() const {
+    const disney::FacetAlbedo over = disney::facetAlbedo(reflecting_, eta_, viewer_);
+    const disney::FacetAlbedo below = disney::facetAlbedo(transmitting_, eta_, viewer_);
+    const Color shiny = disney::mix(Color(over.reflected), over.schlick(facing()), specTint_) +
+                        base_ * std::max(0.0f, below.mirror - below.reflected);
+    const float diffuse = disney::diffuseAlbedo(sheet_.roughness, sheet_.flatness, viewer_.z);
+    const Color sheen = disney::mix(Color(1), disney::tintOf(base_), sheet_.sheenTint) *
+                        (sheet_.sheen * disney::sheenAlbedo(viewer_.z));
+    return shiny * clear_ + ((base_ * diffuse + sheen) * (1 - passing_) + base_ * passing_) * (1 - clear_);
   }
 
   static Microfacets facetsOf(float anisotropic, float roughness) {
@@ -125,6 +140,7 @@ class PrincipledThin {
   disney::Sheet sheet_;
   float passing_;
   Microfacets reflecting_, transmitting_;
+  float factor_ = 1;
 };
 
 }  // namespace

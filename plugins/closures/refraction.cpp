@@ -18,9 +18,10 @@ struct Refraction {
   Refraction(std::span<const float> p, const ClosurePoint& point)
       : normal(directionAt(p, 0)), eta(p[3] > 0 ? point.relativeIor(p[3]) : 1) {}
 
-  Color reflected(float) const { return {}; }
-  Color transmitted(float cosine) const { return Color(1 - fresnelDielectric(cosine, eta)); }
+  bool hasOwnCurve() const { return false; }
+  Color curve(float cosine) const { return Color(fresnelDielectric(cosine, eta)); }
 
+  Color reflectionTint{0.0f}, transmissionTint{1.0f};
   Vector<World> normal, tangent;
   float alphaX = 0, alphaY = 0, eta;
   Microfacets::Finish finish;

@@ -51,6 +51,7 @@ struct PathState {
   bool lightsReach = false;  ///< Since lights were sampled the path has only gone through what lets shadow
                              ///< rays pass straight.
   int length = 1;            ///< Segments so far, this ray's included.
+  int scatterings = 0;       ///< Before the ray, without those that let pass straight.
   float wayBefore = 0;       ///< From the camera to where the ray begins; for AOVs.
   std::uint32_t rayTypes = shading::ray::camera;
 };
@@ -67,6 +68,16 @@ float seenDistance(const PathState& state, Point<World> point) {
   return state.wayBefore + length(point - state.ray.origin);
 }
 
+/// What the scene's limit leaves of light that ends the path, `more` scatterings from where its ray begins.
+Color limited(PathContext& path, const PathState& state, Color light, int more) {
+  const PathSettings& settings = path.scene().path;
+  if (!settings.clampsIndirect || state.scatterings + more < 2) return light;
+  const float value = maximum(abs(state.throughput * light));
+  if (!(value > settings.clampIndirect)) return light;
+  path.statistics().work.add(Work::clamping);
+  return light * (settings.clampIndirect / value);
+}
+
 void continueFrom(PathState& state, Point<World> origin, Vector<World> direction, Color weight) {
   state.throughput *= weight;
   state.ray.origin = origin;
@@ -74,6 +85,7 @@ void continueFrom(PathState& state, Point<World> origin, Vector<World> direction
   state.ray.tMin = 0;
   state.ray.tMax = std::numeric_limits<float>::infinity();
   ++state.length;
+  ++state.scatterings;
 }
 
 /// The lights beside the path's ray between t0 and t1.
@@ -121,14 +133,15 @@ Task<Color> lightAlongRay(PathContext& path, const PathState& state, const Light
   const PlaceOnRay place{lights, found.t, found.choicePdf, found.lightScale};
   const MediumVertex vertex(path.scene(), *found.medium, state.ray, place, found.anisotropy, state.boundaryMedium,
                             path.media);
-  const Color light = co_await estimateChosenLight(path, vertex, choice, state.ray.time, state.splitThreshold);
+  const Color estimate = co_await estimateChosenLight(path, vertex, choice, state.ray.time, state.splitThreshold);
+  const Color light = limited(path, state, found.weight * estimate, 1);
   if (path.record) {
-    path.record->addSampled(found.weight * light, inMedium);
-    path.record->addInFront(seenDistance(state, vertex.position()), state.throughput * found.weight * light);
+    path.record->addSampled(light, inMedium);
+    path.record->addInFront(seenDistance(state, vertex.position()), state.throughput * light);
   }
   path.setRay(state.ray);
   path.setRayTypes(state.rayTypes);
-  co_return found.weight* light;
+  co_return light;
 }
 
 /// The same for all choices but the first, where clusters of many lights are split: each finds its place on a way of
@@ -172,7 +185,7 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
   path.statistics().work.add(Work::mediumScattering);
   beginVertex(path, state.length);
   for (DirectLight lit(path, vertex, state.ray.time, state.splitThreshold); lit.next();) {
-    const Color light = co_await estimateDirectLight(path, lit);
+    const Color light = limited(path, state, co_await estimateDirectLight(path, lit), 1);
     radiance.color += state.throughput * light;
     if (path.record) path.record->addSampled(light, inMedium);
   }
@@ -250,7 +263,7 @@ Task<Step> leaveBody(PathContext& path, PathState& state, Radiance& radiance, co
   // The numbers with which lights were sampled where it entered serve again: no product has both.
   beginVertex(path, state.length);
   for (DirectLight lit(path, vertex, state.ray.time, neverSplit); lit.next();) {
-    const Color light = co_await estimateDirectLight(path, lit);
+    const Color light = limited(path, state, co_await estimateDirectLight(path, lit), 1);
     radiance.color += state.throughput * light;
     if (path.record && !isBlack(light)) path.record->addSampled(light, outOfBody);
   }
@@ -313,6 +326,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
       const shading::ShadingPoint met = shadingPointOf(path, hit, state.ray);
       emitted *= co_await lightTexture(path, *object.light, met);
     }
+    emitted = limited(path, state, emitted, 0);
     radiance.color += state.throughput * emitted;
     if (path.record) path.record->addFromLight(emitted, *object.light);
     ++path.statistics().lightSamples[*object.light];
@@ -321,8 +335,9 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     ++path.statistics().invalidClosures;
     scene.messages->reportInvalidSurface(hit.object, *invalid, hit.point, path.id());
   }
-  radiance.color += state.throughput * closures.mix().emitted();
-  if (path.record) path.record->addFromObject(closures.mix().emitted(), hit.object);
+  const Color glow = limited(path, state, closures.mix().emitted(), 0);
+  radiance.color += state.throughput * glow;
+  if (path.record) path.record->addFromObject(glow, hit.object);
   if (state.length == scene.path.maxDepth) co_return Step::ends;
 
   beginVertex(path, state.length);
@@ -337,7 +352,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
                              {behind, nesting.isInterface ? path.mediaBehind : path.media}, lightsPassed,
                              scene.linksOf(object));
   for (DirectLight lit(path, vertex, state.ray.time, state.splitThreshold); lit.next();) {
-    const Color light = co_await estimateDirectLight(path, lit);
+    const Color light = limited(path, state, co_await estimateDirectLight(path, lit), 1);
     radiance.color += state.throughput * light;
     if (!path.record || isBlack(light)) continue;
     const Vector<World> towards = path.record->litDirection();
@@ -374,6 +389,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
         footprintBehind(path.footprint(), *scene.geometry, hit, *next, state.ray.time, scene.largestFootprint));
   }
   continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight);
+  state.scatterings -= next->isPassing;
   if (crosses && nesting.isInterface) {
     goBehind(path, state, nesting);
     meetNext(state, nesting, before);
@@ -406,6 +422,19 @@ bool survivesRoulette(PathContext& path, PathState& state, const Radiance& radia
   state.throughput = state.throughput / survival;
   if (path.record) path.record->weaken(Color(1 / survival));
   return true;
+}
+
+/// Of a ray that meets nothing: the path ends.
+void addEscapedLight(PathContext& path, PathState& state, Radiance& radiance) {
+  const PreparedScene& scene = path.scene();
+  if (scene.path.clampsIndirect) {
+    const Color light = escapedLight(scene, state.ray.direction, state.direction, nullptr);
+    const Color left = limited(path, state, light, 0);
+    const float part = isBlack(light) ? 1 : maximum(abs(left)) / maximum(abs(light));
+    state.throughput *= part;
+    if (path.record) path.record->weaken(Color(part));
+  }
+  radiance.color += state.throughput * escapedLight(scene, state.ray.direction, state.direction, path.record);
 }
 
 Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
@@ -449,10 +478,11 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       path.statistics().work.add(Work::mediumEmission);
       // Lights are sampled up to the first surface, whatever it is.
       const float weight = passed ? 1.0f : metEmissionWeight(scene, state.ray.direction, state.direction);
-      radiance.color += state.throughput * event.emission * weight;
+      const Color glow = limited(path, state, event.emission * weight, 0);
+      radiance.color += state.throughput * glow;
       if (path.record) {
-        path.record->addFromMedia(event.emission * weight);
-        path.record->addInFront(state.throughput * event.emission * weight);
+        path.record->addFromMedia(glow);
+        path.record->addInFront(state.throughput * glow);
       }
     }
     if (lights.count() > 1) {
@@ -476,7 +506,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       // What lets the camera see straight through shows no environment either.
       const bool isHidden = scene.path.hideEmitters && state.rayTypes == shading::ray::camera;
       if (!isHidden && !isShaded(path, state, std::numeric_limits<double>::infinity())) {
-        radiance.color += state.throughput * escapedLight(scene, state.ray.direction, state.direction, path.record);
+        addEscapedLight(path, state, radiance);
       }
       if (!isHidden && !scene.lights.infinite().empty()) radiance.alpha = 1;
       goesOn = false;

@@ -68,14 +68,15 @@ class EnvironmentMap final : public Light {
     const Place place = placeOf(direction);
     const float density = densityAt(place);
     if (!(density > 0)) return {};
-    const Color value = image_(place.u, place.v) * scale_;
+    const Color value = radianceAt(place);
     return LightSample{.direction = direction, .value = value, .pdf = density, .point = {}, .normal = {}};
   }
 
   float pdfEscaped(Point<World>, Vector<World> direction) const override { return densityAt(placeOf(direction)); }
-  Color escaped(Vector<World> direction) const override {
+  Color escaped(Vector<World> direction) const override { return radianceAt(placeOf(direction)); }
+  Escaped escapedWithPdf(Point<World>, Vector<World> direction) const override {
     const Place place = placeOf(direction);
-    return image_(place.u, place.v) * scale_;
+    return {radianceAt(place), densityAt(place)};
   }
 
   /// Through a sphere around the scene.
@@ -91,6 +92,7 @@ class EnvironmentMap final : public Light {
     double u = 0, v = 0, sine = 0;
   };
 
+  Color radianceAt(const Place& place) const { return image_(place.u, place.v) * scale_; }
   float densityAt(const Place& place) const {
     if (!(place.sine > 0)) return 0;
     return static_cast<float>(choice_.density(place.u, place.v) / (2 * pi * pi * place.sine));

@@ -9,7 +9,8 @@ standard error; z is the difference of the two means by the standard error of th
 mean 0 and deviation 1. A scene differs when the mean image does by more than --tolerance and by more than 4 standard
 errors, or when a block does by more than 5 standard errors and twice the tolerance of its value.
 
-Without names all scenes below are rendered: a ball of each material on a chequered ground below an area light.
+Without names all scenes are rendered: those below, a ball of each material on a chequered ground below an area light,
+and those of the folder peers beside this file, written as exporters and public collections write theirs.
 """
 import argparse
 import os
@@ -104,6 +105,10 @@ LIGHTS = {
 }
 
 
+FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "peers")
+FILES = sorted(f[:-4] for f in os.listdir(FOLDER) if f.endswith(".xml") and f != "parts.xml")
+
+
 def write_images(mi, folder):
     generator = np.random.default_rng(7)
     colors = generator.uniform(0, 255, (16, 32, 3)).astype(np.uint8)
@@ -178,7 +183,7 @@ def main():
     arguments.add_argument("--list", action="store_true", help="names of the scenes")
     options = arguments.parse_args()
     if options.list:
-        print("\n".join([*MATERIALS, *LIGHTS]))
+        print("\n".join([*MATERIALS, *LIGHTS, *FILES]))
         return 0
     import mitsuba as mi
 
@@ -192,7 +197,10 @@ def main():
     os.makedirs(folder, exist_ok=True)
     write_images(mi, folder)
     files = {os.path.basename(f): f for f in options.scene}
-    for name in options.names or ([] if options.scene else [*MATERIALS, *LIGHTS]):
+    for name in options.names or ([] if options.scene else [*MATERIALS, *LIGHTS, *FILES]):
+        if name in FILES:
+            files[name] = f"{FOLDER}/{name}.xml"
+            continue
         isLight = name in LIGHTS
         if not isLight and name not in MATERIALS:
             print(f"there is no scene '{name}'; --list shows all", file=sys.stderr)

@@ -1,5 +1,6 @@
 // One bad scene a file: `NAME.xml` has to give exactly the messages in `NAME.expected`, places, source lines, carets
-// and notes included. `NAME.options` holds command-line options, one a line: `-D name=value` or `--set assignment`.
+// and notes included. `NAME.options` holds command-line options, one a line: `-D name=value`, `--set assignment` or
+// `--sensor which`.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,6 +42,7 @@ LoadOptions readOptions(const std::filesystem::path& path) {
   for (std::string line; std::getline(stream, line);) {
     const std::size_t equals = line.find('=');
     if (line.starts_with("-D ")) options.defines[line.substr(3, equals - 3)] = line.substr(equals + 1);
+    if (line.starts_with("--sensor ")) options.sensor = line.substr(9);
     if (line.starts_with("--set ")) options.overrides.push_back(line.substr(6));
   }
   return options;

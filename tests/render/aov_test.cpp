@@ -117,6 +117,18 @@ TEST(Aovs, AddUpToThePicture) {
   expectNear(sum("reflection", "transmission"), sum("diffuse", "specular"));
 }
 
+/// Light that is dimmed is dimmed in all of them.
+TEST(LightLayers, AddUpWhereLightIsClamped) {
+  const TestScene scene = aovScene("direct:direct,indirect:indirect,lights:light_groups",
+                                   R"(<float name="clamp_indirect" value="0.1"/>)", sensorOfAll(), everything);
+  ASSERT_TRUE(scene.scene());
+  const auto film = scene.film();
+  const auto report = scene.renderInto(*film, {.threads = 1, .endSample = 32});
+  EXPECT_GT(report.statistics.work.of(render::Work::clamping), 100u);
+  expectSum(*film, {"direct", "indirect"});
+  expectSum(*film, {"light_key", "light_lamp", "light_rest"});
+}
+
 /// Two closures of one kind, the one twice the other, and one of another kind, each with a label.
 TEST(Aovs, LabelsOfClosuresSplitWhatASurfaceScatters) {
   const std::string content = R"(<emitter type="constant"><rgb name="radiance" value="0.2, 0.3, 0.5"/></emitter>

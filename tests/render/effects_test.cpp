@@ -108,6 +108,16 @@ const std::vector<EffectCase>& cases() {
        std::string(sky) +
            R"(<shape type="sphere"><bsdf type="dielectric"><integer name="priority" value="1"/></bsdf></shape>)",
        {"light-sampling", "constant-light", "surfaces", "nested-media"}},
+      {"clamped",
+       std::string(sky) + R"(<shape type="sphere"><transform name="to_world"><scale value="30"/></transform>
+           <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>
+           <emitter type="point"><point name="position" x="0" y="2" z="-2"/></emitter>)",
+       {"light-sampling", "constant-light", "point-lights", "surfaces", "clamped-indirect"},
+       "",
+       {},
+       "perspective",
+       "",
+       R"(<float name="clamp_indirect" value="0.0001"/>)"},
       {"displaced",
        std::string(sky) + R"(<shape type="sphere"><displacement type="height"/></shape>)",
        {"light-sampling", "constant-light", "surfaces", "displacement"}},

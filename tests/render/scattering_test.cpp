@@ -111,6 +111,45 @@ TEST(PhasesOfMedia, ScatterOnceAsTheirFormulasSay) {
                      [](double c) { return henyeyGreenstein(0.5, c) * (1 + 4 * c * c) / 3; }));
 }
 
+/// A weight out of a texture over space, which is even here: the same as a number.
+TEST(PhasesOfMedia, WeightsOfBlendsMayBeFed) {
+  PointInSphere expected;
+  expected.phase = [](double c) {
+    return 0.75 * henyeyGreenstein(-0.3, c) + 0.25 * 3 / (16 * std::numbers::pi) * (1 + c * c);
+  };
+  expected.phaseElement = R"(<phase type="blendphase"><volume name="weight" type="constvolume">
+      <float name="value" value="0.25"/></volume><phase type="hg" name="a"><float name="g" value="-0.3"/></phase>
+      <phase type="rayleigh" name="b"/></phase>)";
+  const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", lookingBelow, expected.content(""));
+  EXPECT_TRUE(shows(scene, *scene.render(2048), expected));
+}
+
+/// One that differs from place to place: left of the middle all light goes by one function, right of it by the other.
+TEST(PhasesOfMedia, WeightsOfBlendsVaryOverSpace) {
+  const auto halves = [](double x, double left, double right) { return x < 0 ? left : right; };
+  const std::string medium = R"(<volume type="box"><transform name="to_world"><scale x="1" y="1" z="0.5"/></transform>
+      <medium type="homogeneous"><rgb name="sigma_t" value="0.2"/><rgb name="albedo" value="1"/>
+      <phase type="blendphase"><texture name="weight" type="osl"><source>
+      shader side(output float share = 0) { share = P[0] &lt; 0 ? 0 : 1; }</source></texture>
+      <phase type="hg" name="a"><float name="g" value="0.6"/></phase>
+      <phase type="hg" name="b"><float name="g" value="-0.6"/></phase></phase></medium></volume>
+      <emitter type="directional"><vector name="direction" x="0" y="0" z="1"/></emitter>)";
+  const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 20}, medium);
+  ASSERT_TRUE(scene.scene());
+  EXPECT_TRUE(shows(scene, *scene.render(16384), [&](const Ray<World>& ray) {
+    // The slab is 1 thick along z; light goes on along the ray, or nearly so.
+    const double z = static_cast<double>(ray.direction.z), x = static_cast<double>(ray.origin.x);
+    const double begin = (-0.5 - static_cast<double>(ray.origin.z)) / z, end = begin + 1 / z;
+    const auto along = [&](double t) {
+      const double place = x + t * static_cast<double>(ray.direction.x), depth = (t - begin) * z;
+      // The path sees light that travels along +z and comes back along -ray.
+      const double g = halves(place, 0.6, -0.6);
+      return 0.2 * std::exp(-0.2 * (t - begin + depth)) * henyeyGreenstein(g, -z);
+    };
+    return Color(static_cast<float>(integrate(along, begin, end, 400)));
+  }));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SingleScattering,
                          ::testing::Values("", R"(<string name="distance" value="null"/>)",
                                            R"(<string name="distance" value="marching"/>

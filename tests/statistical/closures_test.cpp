@@ -108,7 +108,7 @@ Parameters parametersAt(const Closure& closure, double place, double tilt) {
     const auto s = closure.sample(p, point, {random.next(), random.next2D()});
     weights.add(s ? static_cast<double>(s->weight.g) : 0);
     ++observed[s ? grid.cell(s->direction) : grid.cellCount()];
-    if (!s || i % 4 != 0) continue;
+    if (!s) continue;
     const float density = closure.pdf(p, point, s->direction);
     const Color value = closure.evaluate(p, point, s->direction), weighted = s->weight * s->pdf;
     if (std::fabs(density - s->pdf) > 1e-4f * s->pdf ||
@@ -220,7 +220,7 @@ TEST(Closures, NamesAreUnique) {
 }
 
 /// What is scattered of light from everywhere, over the additive recurrence of Roberts 2018 in three dimensions: within
-/// 2e-4 with 20,000 points for the lobes asked here, within 1e-3 with 4,000.
+/// 2e-4 for the lobes asked here.
 double energyOf(const Closure& closure, const Parameters& p, const ClosurePoint& point, int count = 20000) {
   double energy = 0;
   for (int i = 0; i < count; ++i) {
@@ -339,25 +339,108 @@ TEST(Closures, DielectricsKeepTheEnergy) {
   }
 }
 
-/// Boundaries of every width, shape and index, from both sides, with Fresnel's reflectance and with Schlick's. (What
-/// several facets scatter is made up for by a table of even facets, which is not exact for uneven ones.)
+/// The parameters of a white boundary, as each closure takes them.
+Parameters whiteBoundary(std::string_view closure, float shape, float x, float y, float ior, float film_nm) {
+  const Vector<World> n = tilted(0, 0), across = Frame<World>(n).x;
+  const float f0 = (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1));
+  if (closure == "microfacet") return {shape, n.x, n.y, n.z, across.x, across.y, across.z, x, y, -1, ior, 2};
+  Parameters p{n.x, n.y, n.z, across.x, across.y, across.z, 1, 1, 1, 1, 1, 1, x, y};
+  if (closure == "dielectric_bsdf") {
+    p.push_back(ior);
+  } else {
+    p.insert(p.end(), {0.5f * f0, f0, 1.5f * f0, 1, 0.9f, 0.8f, 4});
+  }
+  p.insert(p.end(), {shape, film_nm, 1.3f});
+  return p;
+}
+
+/// Boundaries of every width, shape, direction and index, from both sides, by Fresnel's reflectance, Schlick's and a
+/// film's: none of the light is lost, none is gained.
 TEST(Closures, BoundariesKeepTheLightInAWhiteFurnace) {
   const Registry registry = allPlugins();
+  for (const std::string_view name : {"dielectric_bsdf", "generalized_schlick_bsdf", "microfacet"}) {
+    for (const float x : {0.05f, 0.1f, 0.4f, 0.7f, 1.0f}) {
+      for (const float ratio : {1.0f, 0.3f, 0.05f}) {
+        for (const float ior : {1.01f, 1.2f, 1.5f, 2.4f, 4.0f}) {
+          for (const double view : {0.1, 0.8, 1.3, 1.55, 1.6, 1.9, 2.4, 3.0}) {
+            const float film = ratio == 0.3f && x == 0.4f && name != "microfacet" ? 400.0f : 0.0f;
+            const ClosurePoint point{tilted(view, 4), geometricNormal};
+            const Parameters p = whiteBoundary(name, 0, x, x * ratio, ior, film);
+            const double kept = energyOf(*registry.closure(name), p, point, 2000);
+            EXPECT_NEAR(kept, 1, film > 0 ? 0.01 : 1e-4)
+                << name << ' ' << x << ' ' << ratio << ' ' << ior << ' ' << view;
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Beckmann's facets are drawn as if they were GGX's and weighed: what differs from 1 is the error of the samples.
+TEST(Closures, BoundariesOfBeckmannFacetsKeepTheLight) {
+  const Registry registry = allPlugins();
+  for (const std::string_view name : {"dielectric_bsdf", "generalized_schlick_bsdf"}) {
+    for (const float x : {0.1f, 0.4f, 1.0f}) {
+      for (const float ratio : {1.0f, 0.2f}) {
+        for (const float ior : {1.2f, 2.4f}) {
+          for (const double view : {0.1, 1.3, 1.55, 1.9, 3.0}) {
+            const ClosurePoint point{tilted(view, 4), geometricNormal};
+            const Parameters p = whiteBoundary(name, 1, x, x * ratio, ior, 0);
+            EXPECT_NEAR(energyOf(*registry.closure(name), p, point), 1, 0.005)
+                << name << ' ' << x << ' ' << ratio << ' ' << ior << ' ' << view;
+          }
+        }
+      }
+    }
+  }
+}
+
+/// Disney's materials add parts that know nothing of each other: their sum still gives no more than it gets.
+TEST(Closures, ArtistsMaterialsGainNothingInAWhiteFurnace) {
+  const Registry registry = allPlugins();
   const Vector<World> n = tilted(0, 0), across = Frame<World>(n).x;
-  for (const float x : {0.1f, 0.4f, 0.7f, 1.0f}) {
-    for (const float ratio : {1.0f, 0.3f}) {
-      for (const float ior : {1.2f, 1.5f, 2.2f}) {
-        for (const double view : {0.1, 0.8, 1.3, 1.9, 2.4, 3.0}) {
-          const ClosurePoint point{tilted(view, 4), geometricNormal};
-          const float f0 = (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1));
-          const Parameters glass{n.x, n.y, n.z, across.x, across.y,  across.z, 1, 1, 1,
-                                 1,   1,   1,   x,        x * ratio, ior,      0, 0, 1};
-          const Parameters schlick{n.x, n.y,       n.z, across.x, across.y, across.z, 1, 1, 1, 1, 1, 1,
-                                   x,   x * ratio, f0,  f0,       f0,       1,        1, 1, 5, 0, 0, 1};
-          for (const auto& [name, p] : {std::pair("dielectric_bsdf", glass), {"generalized_schlick_bsdf", schlick}}) {
-            const double kept = energyOf(*registry.closure(name), p, point, 4000);
-            EXPECT_GE(kept, 0.9) << name << ' ' << x << ' ' << ratio << ' ' << ior << ' ' << view;
-            EXPECT_LE(kept, 1.025) << name << ' ' << x << ' ' << ratio << ' ' << ior << ' ' << view;
+  Uniforms random(seedOfTest());
+  double most = 0;
+  for (int i = 0; i < 200; ++i) {
+    const auto pick = [&] { return std::clamp(1.4f * static_cast<float>(random.next()) - 0.2f, 0.0f, 1.0f); };
+    Parameters p{n.x, n.y, n.z, across.x, across.y, across.z, 1, i % 2 == 0 ? 1.0f : pick(), 1};
+    const bool isThin = i % 3 == 0;
+    // Mirrors are too narrow to be seen in so few samples of the other parts.
+    p.insert(p.end(), {std::max(pick(), 0.25f), i % 4 == 0 ? pick() : 0});
+    if (!isThin) p.push_back(i % 5 == 0 ? pick() : 0);
+    p.insert(p.end(), {pick(), 1.1f + pick(), pick(), pick(), pick(), pick()});
+    if (isThin) {
+      p.push_back(2 * pick());
+    } else {
+      p.insert(p.end(), {pick(), pick()});
+    }
+    const ClosurePoint point{tilted(1.5 * random.next(), 4), geometricNormal};
+    const double kept =
+        energyOf(*registry.closure(isThin ? "principled_thin_bsdf" : "principled_bsdf"), p, point, 8000);
+    EXPECT_LE(kept, 1.005) << i;
+    most = std::max(most, kept);
+  }
+  EXPECT_GT(most, 0.97) << "dimmed where there is no need";
+}
+
+/// What `layer` leaves to a base below is one less the albedo: that of the two sides by themselves is what they
+/// scatter.
+TEST(Closures, AlbedosOfBoundariesAreWhatTheyScatter) {
+  const Registry registry = allPlugins();
+  for (const std::string_view name : {"dielectric_bsdf", "generalized_schlick_bsdf"}) {
+    for (const float x : {0.1f, 0.5f, 1.0f}) {
+      for (const float ratio : {1.0f, 0.2f}) {
+        for (const float film : {0.0f, 500.0f}) {
+          for (const double view : {0.1, 0.9, 1.4, 1.9, 2.8}) {
+            for (const bool reflects : {true, false}) {
+              Parameters p = whiteBoundary(name, 0, x, x * ratio, 1.5f, film);
+              std::fill_n(p.begin() + (reflects ? 9 : 6), 3, 0.0f);
+              const ClosurePoint point{tilted(view, 4), geometricNormal};
+              const double stated = static_cast<double>(registry.closure(name)->albedo(p, point).g);
+              // From inside the edge of total reflection is narrower than the table's steps.
+              EXPECT_NEAR(energyOf(*registry.closure(name), p, point, 8000), stated, view < 1.5 ? 0.01 : 0.025)
+                  << name << ' ' << x << ' ' << ratio << ' ' << film << ' ' << view << ' ' << reflects;
+            }
           }
         }
       }

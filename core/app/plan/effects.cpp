@@ -306,6 +306,12 @@ class EffectList {
     add("russian-roulette", plays,
         plays ? fmt::format("from path length {}", integrator.rrDepth) : "no path gets long enough for it",
         countOf(Work::roulette));
+    const bool clamps = scene_.path.clampsIndirect.isCalledFor();
+    add("clamped-indirect", clamps,
+        clamps ? fmt::format("clamp_indirect {:g}{}: the picture gets darker", integrator.clampIndirect,
+                             at(integrator.origin.of("clamp_indirect")))
+               : "no light is dimmed",
+        countOf(Work::clamping));
     const bool knows = !scene_.contributions.isEmpty();
     add("contribution-roulette", knows,
         knows ? "by what paths may still bring to their pixels, as a small render tells"

@@ -78,6 +78,8 @@ const std::vector<RemovableEffect>& removableEffects() {
        }},
       {"russian-roulette", "paths go on to max_depth: the same image in the mean, at another cost",
        [](SceneDescription& d) { d.integrator.rrDepth = std::numeric_limits<int>::max(); }},
+      {"clamped-indirect", "light is not dimmed: more noise, and the right brightness",
+       [](SceneDescription& d) { d.integrator.clampIndirect = 0; }},
       {"contribution-roulette", "roulette goes by throughput: the same image in the mean",
        [](SceneDescription& d) { d.integrator.roulette = scene::Roulette::throughput; }},
       {"derivatives", "what shaders see has no size: textures are not filtered, fine patterns not smoothed",

@@ -70,6 +70,7 @@ class Submission {
     std::vector<std::string> words{"--quiet",           "--resume", "--spp",
                                    std::to_string(spp), "--isa",    r.kernels.isa.empty() ? "avx2" : r.kernels.isa};
     for (const auto& [name, value] : r.defines) words.insert(words.end(), {"-D", name + "=" + value});
+    if (!r.sensor.empty()) words.insert(words.end(), {"--sensor", r.sensor});
     for (const std::string& change : r.overrides) words.insert(words.end(), {"--set", change});
     for (const std::string& effect : r.without) words.insert(words.end(), {"--without", effect});
     for (const fs::path& path : r.kernels.shaderPath)

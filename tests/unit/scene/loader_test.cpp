@@ -281,6 +281,27 @@ TEST(Loader, WarnsOfWhatHasNoEffect) {
   EXPECT_EQ(warnings.errorCount(), 0);
 }
 
+TEST(Loader, OfSeveralSensorsOneIsTaken) {
+  const std::string body = R"(<sensor type="perspective"><float name="fov" value="30"/>
+      <film type="hdrfilm"><integer name="width" value="100"/></film></sensor>
+    <sensor type="thinlens" id="close"><float name="fov" value="60"/><float name="aperture_radius" value="0.1"/></sensor>
+    <sensor type="orthographic" id="0"/>)";
+  const auto taken = [&](const std::string& wanted, std::size_t warnings) {
+    Diagnostics told;
+    LoadOptions options;
+    options.sensor = wanted;
+    SceneDescription scene = read(body, options, &told);
+    EXPECT_EQ(told.entries().size(), warnings) << format(told);
+    return scene;
+  };
+  // The first one where nobody says, with the others named; an id comes before a number.
+  EXPECT_EQ(taken("", 1).film.width, 100);
+  EXPECT_EQ(taken("close", 0).sensor.type, SensorType::thinlens);
+  EXPECT_EQ(taken("1", 0).sensor.type, SensorType::thinlens);
+  EXPECT_NE(taken("1", 0).film.width, 100) << "the film of another sensor";
+  EXPECT_EQ(taken("0", 0).sensor.type, SensorType::orthographic);
+}
+
 TEST(Loader, FindsFilesBesideTheirSceneAndOnThePath) {
   const Folder folder;
   folder.write("meshes/a.ply", "ply");
