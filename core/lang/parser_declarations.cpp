@@ -243,9 +243,10 @@ std::unique_ptr<ShaderDeclaration> Parser::shaderDeclaration() {
   return result;
 }
 
-/// The grammar has a place for metadata on either side of the parameters.
+/// The grammar has a place for metadata on either side of the parameters. Behind them two braces are the body and a
+/// block in it.
 void Parser::moreMetadata(std::vector<Metadata>& list) {
-  if (!atMetadata()) return;
+  if (!atBracketMetadata()) return;
   for (Metadata& entry : metadata()) list.push_back(std::move(entry));
 }
 
@@ -320,17 +321,17 @@ std::unique_ptr<VariableDeclaration> Parser::declaredVariable(const TypeName& ty
   auto result = std::make_unique<VariableDeclaration>();
   if (type.base == BaseType::none && !type.closure) error(type.position, "only functions can be void");
   result->typeName = type;
-  if (at(TokenKind::leftBracket) && !atMetadata()) {
+  if (at(TokenKind::leftBracket) && !atBracketMetadata()) {
     failExpected(std::string(what), "", {"the length of an array stands behind the name: float values[3]"});
   }
   const Token& name = expectName(what);
   result->name = std::string(name.text);
   result->position = name.position;
-  if (at(TokenKind::leftBracket) && !atMetadata()) {
+  if (at(TokenKind::leftBracket) && !atBracketMetadata()) {
     ArraySpec spec = arraySpec();
     result->arrayLength = spec.length;
     result->lengthExpression = std::move(spec.expression);
-    if (at(TokenKind::leftBracket) && !atMetadata()) error(peek().position, "arrays have one dimension");
+    if (at(TokenKind::leftBracket) && !atBracketMetadata()) error(peek().position, "arrays have one dimension");
   }
   return result;
 }
@@ -339,20 +340,21 @@ std::unique_ptr<VariableDeclaration> Parser::declaredVariable(const TypeName& ty
 
 std::vector<Metadata> Parser::metadata() {
   std::vector<Metadata> list;
+  const bool isInBraces = next().kind == TokenKind::leftBrace;
+  const TokenKind close = isInBraces ? TokenKind::rightBrace : TokenKind::rightBracket;
   next();
-  next();
-  while (!at(TokenKind::rightBracket)) {
+  while (!at(close)) {
     try {
       list.push_back(metadatum());
-      if (!at(TokenKind::comma) && !at(TokenKind::rightBracket))
-        failExpected("',' or ']]'", "after the metadata entry");
+      if (!at(TokenKind::comma) && !at(close))
+        failExpected(isInBraces ? "',' or '}}'" : "',' or ']]'", "after the metadata entry");
     } catch (const Failure&) {
-      if (givenUp_ || !skipToListMember(TokenKind::rightBracket)) throw;
+      if (givenUp_ || !skipToListMember(close)) throw;
     }
     if (!accept(TokenKind::comma)) break;
   }
-  expect(TokenKind::rightBracket, "after the metadata");
-  expect(TokenKind::rightBracket, "after the metadata");
+  expect(close, "after the metadata");
+  expect(close, "after the metadata");
   return list;
 }
 

@@ -93,7 +93,9 @@ class Parser {
   void parameters(Parameters& list, bool ofShader, bool* variadic);
   std::unique_ptr<VariableDeclaration> parameter(bool ofShader);
   std::unique_ptr<VariableDeclaration> declaredVariable(const TypeName& type, std::string_view what);
-  bool atMetadata() const { return at(TokenKind::leftBracket) && at(TokenKind::leftBracket, 1); }
+  bool atBracketMetadata() const { return at(TokenKind::leftBracket) && at(TokenKind::leftBracket, 1); }
+  /// In either form, [[ ]] or {{ }}.
+  bool atMetadata() const { return atBracketMetadata() || (at(TokenKind::leftBrace) && at(TokenKind::leftBrace, 1)); }
   std::vector<Metadata> metadata();
   void moreMetadata(std::vector<Metadata>& list);
   Metadata metadatum();

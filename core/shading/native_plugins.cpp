@@ -88,8 +88,10 @@ Result<std::shared_ptr<const NativePlugin>> readObject(const fs::path& file, con
   for (std::uint32_t i = 0; i < library.plugin->functionCount; ++i) {
     const AerosolShaderFunction& row = library.plugin->functions[i];
     const auto signature = lang::nativeSignature(row.declaration ? row.declaration : "");
-    if (!signature || !row.evaluate)
-      return failure(file, place, fmt::format("its function number {} has no proper declaration or no code", i + 1));
+    const std::string what =
+        fmt::format("its function number {}, \"{}\",", i + 1, row.declaration ? row.declaration : "");
+    if (!signature) return failure(file, place, what + " is not declared as in a shader: \"float f(point p, int n)\"");
+    if (!row.evaluate) return failure(file, place, what + " has no code");
     auto function = std::make_shared<ObjectFunction>();
     function->signature = *signature;
     function->symbol = lang::nativeSymbol({file, hash, *signature});

@@ -84,7 +84,7 @@ typedef struct AerosolShaderPlugin {
 #define AEROSOL_SHADER_EXPORT
 #endif
 
-/* Defined by the plugin: AEROSOL_SHADER_EXPORT const AerosolShaderPlugin aerosol_shader_plugin = { … }; */
+/* Defined by the plugin: const AerosolShaderPlugin aerosol_shader_plugin = { … }; (This declaration exports it.) */
 extern AEROSOL_SHADER_EXPORT const AerosolShaderPlugin aerosol_shader_plugin;
 
 #ifdef __cplusplus

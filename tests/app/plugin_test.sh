@@ -207,6 +207,23 @@ C
 errs other
 said err "has no function 'float other_f(float)'"
 said err "its functions are: float other_f(int x)"
+object spelled <<'C'
+#include "aerosol_shader.h"
+static void f(const AerosolLanes* l, void* const* v) { (void)l; (void)v; }
+static const AerosolShaderFunction functions[] = {{"flot spelled_f(float x", f, 0}};
+const AerosolShaderPlugin aerosol_shader_plugin = {
+    AEROSOL_SHADER_ABI, sizeof(AerosolShaderPlugin), "spelled", 1, functions, 0, 0};
+C
+errs spelled
+said err 'its function number 1, "flot spelled_f(float x", is not declared as in a shader'
+object bodiless <<'C'
+#include "aerosol_shader.h"
+static const AerosolShaderFunction functions[] = {{"float bodiless_f(float x)", 0, 0}};
+const AerosolShaderPlugin aerosol_shader_plugin = {
+    AEROSOL_SHADER_ABI, sizeof(AerosolShaderPlugin), "bodiless", 1, functions, 0, 0};
+C
+errs bodiless
+said err 'its function number 1, "float bodiless_f(float x)", has no code'
 printf 'float f(float x) [[ string native = "absent" ]];\nshader use() { printf("%%g", f(u)); }\n' >use.osl
 expect 1 compile use.osl
 said err "use.osl:1:7: error: there is no plugin 'absent'"
