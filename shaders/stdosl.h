@@ -233,7 +233,7 @@ float aerosol_gabor_cell(point at, int x, int y, int z, int seed, float mean, fl
       sincos(M_2PI * aerosol_gabor_random(state), s, c);
       if (anisotropic == 0) {
         float height = 2 * aerosol_gabor_random(state) - 1, around = sqrt(1 - height * height);
-        omega = normalize(vector(c * around, s * around, height));
+        omega = vector(c * around, s * around, height);  // Its length is 1.
       } else {
         omega = length(direction) * vector(c, s, 0);
       }

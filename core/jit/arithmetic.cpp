@@ -93,6 +93,20 @@ Value* Arithmetic::binary(Op op, Kind kind, Value* a, Value* b) {
   }
 }
 
+/// Truncates; saturates, and NaN gives 0. (Of lanes LLVM 19's saturating conversion becomes a dozen instructions each.)
+Value* Arithmetic::truncated(Value* x) {
+  llvm::Type* const ints = x->getType()->getWithNewType(e_.ir.getInt32Ty());
+  if (!x->getType()->isVectorTy()) {
+    return e_.ir.CreateIntrinsic(llvm::Intrinsic::fptosi_sat, {ints, x->getType()}, {x});
+  }
+  Value* const lowest = llvm::ConstantFP::get(x->getType(), -2147483648.0);
+  Value* const beyond = llvm::ConstantFP::get(x->getType(), 2147483648.0);
+  Value* const atLeast = e_.ir.CreateSelect(e_.ir.CreateFCmpOLT(lowest, x), x, lowest);
+  Value* const largest = llvm::ConstantInt::get(ints, 0x7fffffff);
+  Value* const inside = e_.ir.CreateSelect(e_.ir.CreateFCmpOGE(x, beyond), largest, e_.ir.CreateFPToSI(atLeast, ints));
+  return e_.ir.CreateSelect(e_.ir.CreateFCmpUNO(x, x), e_.zero(ints), inside);
+}
+
 Value* Arithmetic::unary(Op op, Kind kind, Value* x) {
   switch (op) {
     case Op::negate:
@@ -105,8 +119,7 @@ Value* Arithmetic::unary(Op op, Kind kind, Value* x) {
       return kind == Kind::floating ? x : e_.ir.CreateSIToFP(x, x->getType()->getWithNewType(e_.ir.getFloatTy()));
     case Op::toInt:
       if (kind != Kind::floating) return x;
-      return e_.ir.CreateIntrinsic(llvm::Intrinsic::fptosi_sat,
-                                   {x->getType()->getWithNewType(e_.ir.getInt32Ty()), x->getType()}, {x});
+      return truncated(x);
     default:  // toBool
       return toInt(compare(Op::notEqual, kind, x, e_.zero(x->getType())));
   }

@@ -27,6 +27,7 @@ class Arithmetic {
   llvm::Value* divideFloats(llvm::Value* a, llvm::Value* b);
   llvm::Value* divideInts(llvm::Value* a, llvm::Value* b, bool remainder);
   llvm::Value* quotient(llvm::Value* a, llvm::Value* b);
+  llvm::Value* truncated(llvm::Value* x);
 
   Emitter& e_;
 };

@@ -29,6 +29,7 @@
 #include <chrono>
 #include <memory>
 
+#include "core/jit/exact_products.h"
 #include "core/jit/kernel_builder.h"
 #include "core/jit/native_code.h"
 
@@ -184,6 +185,15 @@ void addLaneLoops(llvm::FunctionPassManager& passes) {
   passes.addPass(llvm::SimplifyCFGPass());
 }
 
+/// Loops for which that was asked for are written out.
+void addUnrolling(llvm::FunctionPassManager& passes) {
+  llvm::LoopPassManager rotate;
+  rotate.addPass(llvm::LoopRotatePass());
+  passes.addPass(llvm::createFunctionToLoopPassAdaptor(std::move(rotate)));
+  passes.addPass(llvm::LoopUnrollPass(llvm::LoopUnrollOptions(2, true)));
+  passes.addPass(llvm::EarlyCSEPass(true));
+}
+
 void optimise(llvm::Module& module, llvm::TargetMachine& machine, bool hasNatives) {
   llvm::LoopAnalysisManager loops;
   llvm::FunctionAnalysisManager functions;
@@ -215,6 +225,7 @@ void optimise(llvm::Module& module, llvm::TargetMachine& machine, bool hasNative
   after.addPass(llvm::SimplifyCFGPass());
   after.addPass(llvm::InstCombinePass());
   if (hasNatives) addLaneLoops(after);
+  addUnrolling(after);
   llvm::LoopPassManager hoist;
   hoist.addPass(llvm::LICMPass(llvm::LICMOptions()));
   after.addPass(llvm::createFunctionToLoopPassAdaptor(std::move(hoist), true));
@@ -225,6 +236,7 @@ void optimise(llvm::Module& module, llvm::TargetMachine& machine, bool hasNative
   pipeline.addPass(llvm::createModuleToFunctionPassAdaptor(std::move(after)));
   pipeline.addPass(llvm::GlobalDCEPass());
   pipeline.run(module, modules);
+  for (llvm::Function& function : module) fuseExactProducts(function);
 }
 
 std::string emitMachineCode(llvm::Module& module, llvm::TargetMachine& machine, CodeForm form) {

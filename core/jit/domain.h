@@ -71,6 +71,8 @@ class NumberDomain {
   virtual Number anything(Kind kind) = 0;
   virtual Number unary(lang::Op op, const Number& x) = 0;
   virtual Number binary(lang::Op op, const Number& a, const Number& b) = 0;
+  /// x x, of which a range knows more than of a product.
+  virtual Number square(const Number& x) { return binary(lang::Op::multiply, x, x); }
   virtual Number select(const Number& condition, const Number& a, const Number& b) = 0;
   virtual Condition condition(const Number& number) = 0;
   /// The value where the mask surely holds, the old one where it does not, and either where it may.

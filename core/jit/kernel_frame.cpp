@@ -82,42 +82,54 @@ void KernelFrame::begin(const PointRange& points) {
   e_.ir.SetInsertPoint(chunk_);
   base_ = e_.ir.CreatePHI(e_.ir.getInt32Ty(), 2, "base");
   base_->addIncoming(points.first, before);
-  llvm::Value* const lanes = activeLanes(points);
+  llvm::Value* const inside = lanesBefore(points.end);
+  auto* const places = e_.ir.CreateAdd(e_.splat(static_cast<llvm::Value*>(base_)), e_.laneNumbers());
+  llvm::Value* lanes = inside;
+  if (list_) {
+    llvm::Value* const offset = e_.ir.CreateShl(e_.ir.CreateZExt(base_, e_.ir.getInt64Ty()), 2);
+    llvm::Value* const listed = e_.loadAt(e_.laneType(Kind::integer), list_, offset, e_.laneBytes(Kind::integer));
+    indices_ = e_.ir.CreateSelect(inside, listed, e_.zero(listed->getType()));
+    e_.ir.CreateBr(chunkStart);
+    e_.ir.SetInsertPoint(chunkStart);
+  } else {
+    indices_ = places;
+    lanes = lanesWithFlag(inside, chunkStart);
+  }
   active_ = {lanes, lanes};
-  e_.ir.CreateCondBr(e_.any(lanes), chunkStart, latch_);
-
-  e_.ir.SetInsertPoint(chunkStart);
   llvm::BasicBlock* const body = e_.block("body");
   chunkStartEnd_ = e_.ir.CreateBr(body);
   e_.ir.SetInsertPoint(body);
 }
 
-/// Points of the chunk before the end whose flag is set (all points on a list are active). Without flags all read one
-/// constant.
-llvm::Value* KernelFrame::activeLanes(const PointRange& points) {
-  auto* const places = e_.ir.CreateAdd(e_.splat(static_cast<llvm::Value*>(base_)), e_.laneNumbers());
-  llvm::Value* const inside = e_.ir.CreateICmpULT(places, e_.splat(points.end));
-  if (list_) {
-    llvm::Value* const offset = e_.ir.CreateShl(e_.ir.CreateZExt(base_, e_.ir.getInt64Ty()), 2);
-    llvm::Value* const listed = e_.loadAt(e_.laneType(Kind::integer), list_, offset, e_.laneBytes(Kind::integer));
-    indices_ = e_.ir.CreateSelect(inside, listed, e_.zero(listed->getType()));
-    return inside;
-  }
-  indices_ = places;
-  const auto [flags, mask] = atEntry([&] {
-    auto* const ones =
-        llvm::Constant::getAllOnesValue(llvm::FixedVectorType::get(e_.ir.getInt32Ty(), AEROSOL_MAXIMUM_WIDTH));
-    auto* const all =
-        new llvm::GlobalVariable(e_.module(), ones->getType(), true, llvm::GlobalValue::PrivateLinkage, ones, "all");
-    all->setAlignment(llvm::Align(64));
+/// Lanes whose points come before the end: whole numbers of a scalar, which has room beside the work on lanes.
+llvm::Value* KernelFrame::lanesBefore(llvm::Value* end) {
+  llvm::Value* const left = e_.ir.CreateSub(end, base_);
+  if (e_.width() == 1) return e_.ir.CreateICmpNE(left, e_.ir.getInt32(0));
+  llvm::Value* const some = e_.ir.CreateSub(e_.ir.CreateShl(e_.ir.getInt32(1), left), e_.ir.getInt32(1));
+  llvm::Value* const isWhole = e_.ir.CreateICmpUGE(left, e_.ir.getInt32(e_.width()));
+  llvm::Value* const bits = e_.ir.CreateSelect(isWhole, e_.ir.getInt32((1u << e_.width()) - 1), some);
+  return e_.ir.CreateBitCast(e_.ir.CreateTrunc(bits, e_.ir.getIntNTy(e_.width())), e_.maskType());
+}
+
+/// Where there are flags, lanes whose flag is set; a chunk without any is left out. Goes on in `start`.
+llvm::Value* KernelFrame::lanesWithFlag(llvm::Value* inside, llvm::BasicBlock* start) {
+  const auto [flags, isGiven] = atEntry([&] {
     llvm::Value* const given = argument(offsetof(AerosolKernelArguments, active), e_.ir.getPtrTy());
-    llvm::Value* const isGiven = e_.ir.CreateICmpNE(given, e_.zero(e_.ir.getPtrTy()));
-    return std::pair(e_.ir.CreateSelect(isGiven, given, all), e_.ir.CreateSExt(isGiven, e_.ir.getInt32Ty()));
+    return std::pair(given, e_.ir.CreateICmpNE(given, e_.zero(e_.ir.getPtrTy())));
   });
-  llvm::Value* const index = e_.ir.CreateZExt(e_.ir.CreateAnd(base_, mask), e_.ir.getInt64Ty());
-  llvm::Value* const flag =
-      e_.loadAt(e_.laneType(Kind::integer), flags, e_.ir.CreateShl(index, 2), e_.laneBytes(Kind::integer));
-  return e_.both(inside, e_.ir.CreateICmpNE(flag, e_.zero(flag->getType())));
+  llvm::BasicBlock* const before = e_.ir.GetInsertBlock();
+  llvm::BasicBlock* const flagged = llvm::BasicBlock::Create(e_.context(), "chunk.flags", &e_.function(), start);
+  e_.ir.CreateCondBr(isGiven, flagged, start);
+  e_.ir.SetInsertPoint(flagged);
+  llvm::Value* const offset = e_.ir.CreateShl(e_.ir.CreateZExt(base_, e_.ir.getInt64Ty()), 2);
+  llvm::Value* const flag = e_.loadAt(e_.laneType(Kind::integer), flags, offset, e_.laneBytes(Kind::integer));
+  llvm::Value* const set = e_.both(inside, e_.ir.CreateICmpNE(flag, e_.zero(flag->getType())));
+  e_.ir.CreateCondBr(e_.any(set), start, latch_);
+  e_.ir.SetInsertPoint(start);
+  llvm::PHINode* const lanes = e_.ir.CreatePHI(inside->getType(), 2);
+  lanes->addIncoming(inside, before);
+  lanes->addIncoming(set, flagged);
+  return lanes;
 }
 
 void KernelFrame::end() {

@@ -88,7 +88,8 @@ class KernelFrame {
 
  private:
   llvm::Value* argument(unsigned offset, llvm::Type* type);
-  llvm::Value* activeLanes(const PointRange& points);
+  llvm::Value* lanesBefore(llvm::Value* end);
+  llvm::Value* lanesWithFlag(llvm::Value* inside, llvm::BasicBlock* start);
   llvm::Value* pointAddresses(llvm::Value* pointer, unsigned bytes);
   llvm::Value* lanesAt(llvm::Value* pointer, llvm::Type* type, unsigned bytes);
   void prepareInstances();

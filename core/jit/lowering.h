@@ -128,6 +128,8 @@ class Lowering {
   void emitLoop(const lang::Instruction& instruction);
   void emitLoopTest(const lang::Instruction& instruction, llvm::BasicBlock* body);
   void emitLoopBody(const lang::Instruction& instruction, llvm::BasicBlock* next, const RoundCounter& counter);
+  bool isUnrolled(const lang::Instruction& instruction) const;
+  void unroll(llvm::BasicBlock* latch);
   RoundCounter makeRoundCounter(const lang::Instruction& instruction);
   void emitRoundCount(const lang::Instruction& instruction, const RoundCounter& counter);
   void emitOutOfBudget(const lang::Instruction& instruction, const RoundCounter& counter, llvm::Value* budget,
@@ -139,6 +141,7 @@ class Lowering {
   void emitOperation(const lang::Instruction& instruction);
   Value operate(const lang::Instruction& instruction);
   Value operateBinary(const lang::Instruction& instruction);
+  Value squares(const Value& a);
   Value operateUnary(const lang::Instruction& instruction);
   Value multiplyOrDivide(lang::Op op, const Value& a, const Value& b);
   Value multiplyMatrices(const Value& a, const Value& b);
@@ -167,6 +170,7 @@ class Lowering {
   void copyElements(const ArrayMemory& to, const ArrayMemory& from, const Mask* blend);
 
   // lowering_calls.cpp
+  bool isSquaredLength(const lang::Instruction& instruction) const;
   bool isObjectPoint(const lang::Instruction& instruction) const;
   void emitCall(const lang::Instruction& instruction);
   Value callFunction(const std::string& symbol, llvm::ArrayRef<Value> arguments, llvm::ArrayRef<Kind> result);

@@ -58,8 +58,18 @@ bool Lowering::isObjectPoint(const Instruction& instruction) const {
          variable.global == lang::Global::P && uniformity_.writeCount(point) == 0;
 }
 
+/// dot(v, v), of which a range knows more than of other products.
+bool Lowering::isSquaredLength(const Instruction& instruction) const {
+  return domain_.splitsMasks() && program_.functions[instruction.function].symbol == "dot_f_vv" &&
+         instruction.arguments[0] == instruction.arguments[1] && uniformity_.isVarying(instruction.arguments[0]);
+}
+
 void Lowering::emitCall(const Instruction& instruction) {
   const lang::FunctionUse& function = program_.functions[instruction.function];
+  if (isSquaredLength(instruction)) {
+    const Value vector = variables_.read(instruction.arguments[0]);
+    return write(instruction, instruction.result, callFunction("dot_f_v", {vector}, {Kind::floating}));
+  }
   if (function.host) return emitHostCall(instruction);
   if (function.symbol == "getmatrix_i_ssm") return emitMatrixOfSpaces(instruction);
   bool varies = !function.pure;

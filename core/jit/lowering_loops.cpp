@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/jit/counted_loop.h"
 #include "core/jit/lowering.h"
 #include "core/lang/analysis.h"
 
@@ -14,6 +15,17 @@ namespace {
 
 /// Bounds that a loop has not settled after so many rounds are given up.
 constexpr std::uint32_t roundsBeforeWidening = 512;
+
+/// Innermost loops of no more known rounds, and of no more cost in all, are written out: what depends on the round is
+/// constant then.
+constexpr unsigned unrolledRounds = 64;
+constexpr double unrolledCost = 256;
+
+bool hasLoop(const lang::Code& code) {
+  bool found = false;
+  lang::forEachInstruction(code, [&](const Instruction& instruction) { found = found || instruction.op == Op::loop; });
+  return found;
+}
 
 }  // namespace
 
@@ -41,6 +53,7 @@ void Lowering::emitLoop(const Instruction& instruction) {
     emitLoopTest(instruction, body);
     e_.ir.SetInsertPoint(body);
     emitLoopBody(instruction, test, counter);
+    if (isUnrolled(instruction)) unroll(e_.ir.GetInsertBlock());
   }
   e_.ir.SetInsertPoint(target.end);
   emitTargetEnd(before);
@@ -82,6 +95,21 @@ void Lowering::emitLoopBody(const Instruction& instruction, llvm::BasicBlock* ne
   }
   emit(instruction.bodies[2]);
   e_.ir.CreateBr(next);
+}
+
+bool Lowering::isUnrolled(const Instruction& instruction) const {
+  if (domain_.widensAtBudget() || hasLoop(instruction.bodies[1])) return false;
+  const auto rounds = countedRounds(program_, *codes_.back(), instruction, unrolledRounds);
+  return rounds && *rounds * cost_.of(instruction.bodies[1]) <= unrolledCost;
+}
+
+/// Asks for the loop that ends in this block to be written out.
+void Lowering::unroll(llvm::BasicBlock* latch) {
+  llvm::MDNode* const full =
+      llvm::MDNode::get(e_.context(), llvm::MDString::get(e_.context(), "llvm.loop.unroll.full"));
+  llvm::MDNode* const id = llvm::MDNode::getDistinct(e_.context(), {nullptr, full});
+  id->replaceOperandWith(0, id);
+  latch->getTerminator()->setMetadata(llvm::LLVMContext::MD_loop, id);
 }
 
 Lowering::RoundCounter Lowering::makeRoundCounter(const Instruction& instruction) {

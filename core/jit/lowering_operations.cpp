@@ -124,6 +124,8 @@ Value Lowering::operateUnary(const Instruction& instruction) {
 
 Value Lowering::operateBinary(const Instruction& instruction) {
   const Value a = variables_.read(instruction.arguments[0]);
+  if (instruction.op == Op::multiply && instruction.arguments[0] == instruction.arguments[1] && a.size() < matrixSize)
+    return squares(a);
   const Value b = variables_.read(instruction.arguments[1]);
   if (instruction.op == Op::equal || instruction.op == Op::notEqual) return equality(instruction.op, a, b);
   if (instruction.op == Op::multiply || instruction.op == Op::divide) return multiplyOrDivide(instruction.op, a, b);
@@ -131,6 +133,13 @@ Value Lowering::operateBinary(const Instruction& instruction) {
   for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
     result.push_back(binary(instruction.op, at(a, i), at(b, i)));
   }
+  return result;
+}
+
+/// Number by number, of what is no matrix.
+Value Lowering::squares(const Value& a) {
+  Value result;
+  for (const Number& x : a) result.push_back(x.varying ? domain_.square(x) : binary(Op::multiply, x, x));
   return result;
 }
 

@@ -135,6 +135,10 @@ class RangeDomain final : public NumberDomain {
     return call(a.kind, symbol, {a, b});
   }
 
+  Number square(const Number& x) override {
+    return x.kind == Kind::floating ? call(Kind::floating, "square_f", {x}) : binary(Op::multiply, x, x);
+  }
+
   Number select(const Number& condition, const Number& a, const Number& b) override {
     // As an assignment of a over b would be.
     const Condition is = this->condition(condition);

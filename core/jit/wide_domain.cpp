@@ -60,6 +60,8 @@ class WideDomain final : public NumberDomain {
     const Kind kind = array.element[component];
     llvm::Type* const type = e_.laneType(kind);
     const llvm::Align alignment(kind == Kind::string ? 8 : 4);
+    if (e_.width() > 1 && !array.varying && array.length * (kind == Kind::string ? 2 : 1) <= chosenElements)
+      return chooseElement(array, index, component);
     llvm::Value* const addresses = addressesOf(array, index, component);
     if (e_.width() == 1) return {kind, true, {e_.ir.CreateAlignedLoad(type, addresses, alignment)}};
     return {kind, true, {e_.ir.CreateMaskedGather(type, addresses, alignment, e_.allLanes(), e_.zero(type))}};
@@ -78,6 +80,26 @@ class WideDomain final : public NumberDomain {
   }
 
  private:
+  /// So few elements are compared by number; that is faster than to gather them.
+  static constexpr unsigned chosenElements = 8;
+
+  Number chooseElement(const ArrayMemory& array, const Number& index, unsigned component) {
+    const Kind kind = array.element[component];
+    const unsigned stride = elementBytes(array.element, false),
+                   first = componentOffset(array.element, component, false);
+    const auto element = [&](unsigned i) {
+      llvm::Value* const address = e_.pointerAt(array.base, std::uint64_t{i} * stride + first);
+      const llvm::Align alignment(kind == Kind::string ? 8 : 4);
+      return e_.splat(static_cast<llvm::Value*>(e_.ir.CreateAlignedLoad(e_.scalarType(kind), address, alignment)));
+    };
+    llvm::Value* value = element(0);
+    for (unsigned i = 1; i < array.length; ++i) {
+      llvm::Value* const isIt = e_.ir.CreateICmpEQ(index.parts[0], e_.splat(e_.ir.getInt32(i)));
+      value = e_.ir.CreateSelect(isIt, element(i), value);
+    }
+    return {kind, true, {value}};
+  }
+
   /// One address a lane, of the component in the lane's own element.
   llvm::Value* addressesOf(const ArrayMemory& array, const Number& index, unsigned component) {
     const Kind kind = array.element[component];

@@ -4,6 +4,7 @@
 
 #include "core/base/paths.h"
 #include "core/lang/analysis.h"
+#include "core/lang/array_lengths.h"
 #include "core/lang/check.h"
 #include "core/lang/compiled_file.h"
 #include "core/lang/lower.h"
@@ -22,8 +23,9 @@ Result<CompileOptions> withLibrary(CompileOptions options) {
   return options;
 }
 
-Result<CompiledSource> compile(Result<ParsedSource> parsed, NativeSource* natives) {
+Result<CompiledSource> compile(Result<ParsedSource> parsed, NativeSource* natives, const ArrayLengths& lengths) {
   if (!parsed) return parsed.errors();
+  const std::vector<std::string> unsized = setArrayLengths(parsed->file, lengths);
   Diagnostics diagnostics = std::move(parsed->warnings);
   const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics);
   if (diagnostics.hasErrors()) return diagnostics;
@@ -31,6 +33,7 @@ Result<CompiledSource> compile(Result<ParsedSource> parsed, NativeSource* native
   if (!shader) return diagnostics;
   CompiledSource result;
   result.program = std::make_shared<const Program>(slice(shader->program, shader->program.outputs, Messages::keep));
+  markUnsized(shader->layer, unsized);
   result.layer = std::make_shared<const Program>(std::move(shader->layer));
   result.dependencies = std::move(parsed->dependencies);
   for (const FunctionUse& function : result.layer->functions)
@@ -49,18 +52,28 @@ std::shared_ptr<const Program> programOf(const Program& layer) {
 }
 
 Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options) {
+  return compileFile(path, options, {});
+}
+
+Result<CompiledSource> compileFile(const std::filesystem::path& path, const CompileOptions& options,
+                                   const ArrayLengths& lengths) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();
-  auto compiled = compile(parseShaderFile(path, *complete), options.natives.get());
+  auto compiled = compile(parseShaderFile(path, *complete), options.natives.get(), lengths);
   // Whoever wrote a compiled file has heard them.
   if (compiled && path.extension() == ".oso") compiled->warnings = {};
   return compiled;
 }
 
 Result<CompiledSource> compileString(const std::string& text, const std::string& name, const CompileOptions& options) {
+  return compileString(text, name, options, {});
+}
+
+Result<CompiledSource> compileString(const std::string& text, const std::string& name, const CompileOptions& options,
+                                     const ArrayLengths& lengths) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();
-  return compile(parseString(text, name, *complete), options.natives.get());
+  return compile(parseString(text, name, *complete), options.natives.get(), lengths);
 }
 
 }  // namespace aerosol::lang

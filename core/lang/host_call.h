@@ -53,24 +53,41 @@ class HostCall {
       function(static_cast<unsigned>(__builtin_ctz(left)));
   }
 
-  std::int32_t integer(std::size_t argument, unsigned lane, std::size_t component = 0) const;
-  float floating(std::size_t argument, unsigned lane, std::size_t component = 0) const;
-  std::uint64_t hash(std::size_t argument, unsigned lane, std::size_t component = 0) const;
+  std::int32_t integer(std::size_t argument, unsigned lane, std::size_t component = 0) const {
+    return type(argument).base == BaseType::integer ? *at<std::int32_t>(argument, lane, component) : 0;
+  }
+  float floating(std::size_t argument, unsigned lane, std::size_t component = 0) const {
+    const BaseType base = type(argument).base;
+    if (base == BaseType::integer) return static_cast<float>(*at<std::int32_t>(argument, lane, component));
+    return base == BaseType::string ? 0.0f : *at<float>(argument, lane, component);
+  }
+  std::uint64_t hash(std::size_t argument, unsigned lane, std::size_t component = 0) const {
+    return type(argument).base == BaseType::string ? *at<std::uint64_t>(argument, lane, component) : 0;
+  }
   std::string_view text(std::size_t argument, unsigned lane, std::size_t component = 0) const {
     return strings_.text(hash(argument, lane, component));
   }
 
-  void set(std::size_t argument, unsigned lane, std::int32_t value, std::size_t component = 0);
-  void set(std::size_t argument, unsigned lane, float value, std::size_t component = 0);
+  void set(std::size_t argument, unsigned lane, std::int32_t value, std::size_t component = 0) {
+    *at<std::int32_t>(argument, lane, component) = value;
+  }
+  void set(std::size_t argument, unsigned lane, float value, std::size_t component = 0) {
+    *at<float>(argument, lane, component) = value;
+  }
   void set(std::size_t argument, unsigned lane, std::string_view text, std::size_t component = 0);
   /// A string that is already known.
-  void setHash(std::size_t argument, unsigned lane, std::uint64_t hash, std::size_t component = 0);
+  void setHash(std::size_t argument, unsigned lane, std::uint64_t hash, std::size_t component = 0) {
+    *at<std::uint64_t>(argument, lane, component) = hash;
+  }
 
   Strings& strings() const { return strings_; }
 
  private:
   template <class T>
-  T* at(std::size_t argument, unsigned lane, std::size_t component) const;
+  T* at(std::size_t argument, unsigned lane, std::size_t component) const {
+    const std::size_t place = argument == result ? 0 : argument + (site_.result == types::none ? 0 : 1);
+    return static_cast<T*>(values_[place]) + component * lanes_ + lane;
+  }
 
   const HostSite& site_;
   void* const* values_;

@@ -107,7 +107,9 @@ void Lowerer::lowerDeclaration(const VariableDeclaration& variable) {
   }
   // Never written again: the name stands for the value itself, unless that is a variable which may change.
   if (!std::holds_alternative<InitializerList>(variable.initializer->node)) initial = copied(initial);
-  if (variable.type.isArray()) nameValue(initial, variable.name);
+  // Reports of indices out of range name what was indexed.
+  const bool hasParts = variable.type.isArray() || variable.type.isTriple() || variable.type.base == BaseType::matrix;
+  if (hasParts) nameValue(initial, variable.name);
   bind(variable, std::move(initial));
 }
 

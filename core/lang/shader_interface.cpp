@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/lang/array_lengths.h"
 #include "core/lang/check.h"
 #include "core/lang/compiled_file.h"
 #include "core/lang/lower.h"
@@ -66,7 +67,13 @@ Result<ShaderInterface> readShaderInterface(const std::filesystem::path& path, c
   Collector collector(program);
   for (const auto& declaration : checked->shader->parameters)
     collector.add(declaration->name, declaration->type, declaration->isOutput);
-  return ShaderInterface{program.kind, program.name, program.metadata, collector.take()};
+  ShaderInterface interface{program.kind, program.name, program.metadata, collector.take()};
+  for (const auto& declaration : checked->shader->parameters) {
+    if (!isUnsized(*declaration)) continue;
+    for (ParameterInterface& parameter : interface.parameters)
+      if (parameter.name == declaration->name) parameter.type.arrayLength = Type::unsized;
+  }
+  return interface;
 }
 
 }  // namespace aerosol::lang

@@ -34,8 +34,8 @@ class Specialiser {
     for (VariableId id = 0; id < program.variables.size(); ++id) {
       const Variable& variable = program.variables[id];
       if (variable.storage == Storage::constant) constants_.emplace(bitsKey({variable.type, variable.value}), id);
-      const bool startsZero = variable.storage == Storage::local && !variable.type.isArray() && !variable.type.closure;
-      if (startsZero) known_[id] = constant(zeroConstant(variable.type));
+      const bool startsZero = variable.storage == Storage::local && !variable.type.closure;
+      if (startsZero && leafCount(variable.type) <= foldedLeaves) known_[id] = constant(zeroConstant(variable.type));
     }
     for (const auto& [index, value] : values) give(index, value);
   }
@@ -204,31 +204,118 @@ class Specialiser {
     return false;
   }
 
+  /// No larger arrays are followed element by element.
+  static constexpr std::size_t foldedLeaves = 64;
+
   void plain(const Instruction& instruction, Code& out) {
     Instruction copy = instruction;
     const std::uint32_t outputs = copy.op == Op::call ? program_.functions[copy.function].outputs : 0;
     for (std::size_t i = 0; i < copy.arguments.size(); ++i)
       if (i >= 32 || (outputs >> i & 1u) == 0) copy.arguments[i] = resolve(copy.arguments[i]);
+    if (foldOutputs(copy, out)) return;
     const std::optional<VariableId> value = result(copy);
-    if (!value) keepName(copy, instruction.arguments);
+    if (!value) {
+      keepName(copy, instruction.arguments);
+      readTable(copy);
+    }
     forEachWritten(program_, copy, [&](VariableId id) { forget(id); });
     if (copy.result == noVariable) {
       out.push_back(std::move(copy));
       return;
     }
     if (!value || !mayStandFor(*value, copy.result)) {
-      if (isTemporary(copy.result)) magnitudes_[copy.result] = measure(copy);
+      if (isTemporary(copy.result)) {
+        magnitudes_[copy.result] = measure(copy);
+        if (copy.op == Op::element) elements_[copy.result] = copy;
+      }
       out.push_back(std::move(copy));
       return;
     }
-    if (isTemporary(copy.result)) {
-      temporaries_[copy.result] = *value;
+    if (updatesResult(copy.op) && program_.variables[copy.result].type.isArray()) {
+      known_[copy.result] = *value;  // One element is written, not all.
+      out.push_back(std::move(copy));
       return;
     }
-    known_[copy.result] = *value;
-    copy.op = Op::assign;
-    copy.arguments = {*value};
-    out.push_back(std::move(copy));
+    settle(copy, *value, out);
+  }
+
+  /// The instruction's result has that value.
+  void settle(Instruction instruction, VariableId value, Code& out) {
+    if (isTemporary(instruction.result)) {
+      temporaries_[instruction.result] = value;
+      return;
+    }
+    known_[instruction.result] = value;
+    instruction.op = Op::assign;
+    instruction.arguments = {value};
+    out.push_back(std::move(instruction));
+  }
+
+  /// A function of the host that depends on its arguments alone and writes some of them: split, regex_match …
+  bool foldOutputs(const Instruction& instruction, Code& out) {
+    if (instruction.op != Op::call) return false;
+    const FunctionUse& function = program_.functions[instruction.function];
+    if (!function.host || !function.dependsOnArgumentsAlone() || function.outputs == 0) return false;
+    if (instruction.arguments.size() > 32) return false;
+    std::vector<Constant> values;
+    for (const VariableId argument : instruction.arguments) {
+      const VariableId known = resolve(argument);
+      if (!isConstant(known) || leafCount(program_.variables[known].type) > foldedLeaves) return false;
+      values.push_back(valueOf(known));
+      values.back().type = program_.variables[argument].type;
+    }
+    const bool hasResult = instruction.result != noVariable;
+    const Type type = hasResult ? program_.variables[instruction.result].type : types::none;
+    const auto folded = evaluateCall(function.symbol, type, values, function.outputs);
+    if (!folded) return false;
+    const std::uint32_t outputs = function.outputs;
+    Instruction assignment = instruction;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if ((outputs >> i & 1u) == 0) continue;
+      assignment.result = instruction.arguments[i];
+      settle(assignment, constant(values[i]), out);
+    }
+    if (!hasResult) return true;
+    assignment.result = instruction.result;
+    settle(assignment, constant(*folded), out);
+    return true;
+  }
+
+  /// What is asked of a string out of a constant array is asked of all its elements now, and read from a table of the
+  /// answers: `name == "swirl"` and `strlen(name)` cost no more than an index.
+  void readTable(Instruction& instruction) {
+    if (instruction.op != Op::call && instruction.op != Op::equal && instruction.op != Op::notEqual &&
+        instruction.op != Op::toBool)
+      return;
+    if (instruction.result == noVariable || program_.variables[instruction.result].type.isArray()) return;
+    const Instruction* read = nullptr;
+    std::size_t place = 0;
+    for (std::size_t i = 0; i < instruction.arguments.size(); ++i) {
+      if (isConstant(instruction.arguments[i])) continue;
+      const auto element = elements_.find(instruction.arguments[i]);
+      if (read || element == elements_.end()) return;
+      read = &element->second;
+      place = i;
+    }
+    if (!read || !isConstant(read->arguments[0])) return;
+    const VariableId index = read->arguments[1];
+    const Variable& array = program_.variables[read->arguments[0]];
+    const auto* texts = std::get_if<std::vector<std::string>>(&array.value);
+    if (!texts || texts->size() > foldedLeaves || (!isTemporary(index) && writes_[index] != 0)) return;
+    Instruction asked = instruction;
+    const std::vector<std::string> elements = *texts;
+    Constant table =
+        zeroConstant(program_.variables[instruction.result].type.arrayOf(static_cast<int>(elements.size())));
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      asked.arguments[place] = constant(Constant::ofString(elements[i]));
+      const auto answer = result(asked);
+      if (!answer || !isConstant(*answer)) return;
+      setElement(table, i, valueOf(*answer));
+    }
+    instruction.op = Op::element;
+    instruction.function = 0;
+    instruction.quiet = true;
+    instruction.arguments = {constant(table), index};
   }
 
   /// Reports of indices out of range name what was indexed, though a constant stands for it now.
@@ -365,6 +452,7 @@ class Specialiser {
   std::map<std::pair<VariableId, std::string>, VariableId> named_;  ///< Copies of constants for their name's sake.
   std::vector<VariableId> temporaries_;                             ///< By variable: what stands for a temporary.
   std::unordered_map<VariableId, double> magnitudes_;               ///< Of temporaries: see magnitude.h.
+  std::unordered_map<VariableId, Instruction> elements_;            ///< By temporary: how it was read from an array.
   Known known_;
   Code start_;
 };

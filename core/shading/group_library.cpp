@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/lang/array_lengths.h"
+
 namespace aerosol::shading {
 
 Result<BoundGroup> GroupLibrary::bind(const lang::Group& group, Diagnostics& warnings,
@@ -35,6 +37,10 @@ Result<lang::Group> loadGroup(const lang::GroupText& text, const std::string& na
     }
     group.layers.push_back({layer.name, std::move(*program), layer.values, layer.location});
   }
+  if (errors.hasErrors()) return errors;
+  errors = lang::fitArrays(group, [&](std::size_t layer, const lang::ArrayLengths& lengths) {
+    return library.findLayer(text.layers[layer].shader, text.layers[layer].shaderLocation, warnings, lengths);
+  });
   if (errors.hasErrors()) return errors;
   return group;
 }

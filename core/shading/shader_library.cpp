@@ -8,6 +8,7 @@
 #include "core/base/archive.h"
 #include "core/base/code_version.h"
 #include "core/base/hash.h"
+#include "core/lang/array_lengths.h"
 #include "core/lang/native.h"
 #include "core/lang/serialize.h"
 #include "core/shading/native_plugins.h"
@@ -133,6 +134,17 @@ Result<std::shared_ptr<const lang::Program>> ShaderLibrary::findLayer(const std:
   const auto file = fileOf(name, use);
   if (!file) return file.errors();
   return loadLayer(*file, warnings);
+}
+
+Result<std::shared_ptr<const lang::Program>> ShaderLibrary::findLayer(const std::string& name,
+                                                                      const SourceLocation& use, Diagnostics& warnings,
+                                                                      const std::map<std::string, int>& lengths) const {
+  const auto file = fileOf(name, use);
+  if (!file) return file.errors();
+  auto source = isPluginFile(*file) ? compilePlugin(*file, options_) : lang::compileFile(*file, options_, lengths);
+  if (!source) return source.errors();
+  warnings.append(source->warnings);
+  return source->layer;
 }
 
 std::string ShaderLibrary::manifestKey(const fs::path& file, const fs::path& absolute) const {

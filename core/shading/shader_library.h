@@ -30,6 +30,10 @@ class ShaderLibrary {
   /// The same shader as a layer of groups.
   Result<std::shared_ptr<const lang::Program>> findLayer(const std::string& name, const SourceLocation& use,
                                                          Diagnostics& warnings);
+  /// The same with lengths of arrays that the shader declares without one (array_lengths.h).
+  Result<std::shared_ptr<const lang::Program>> findLayer(const std::string& name, const SourceLocation& use,
+                                                         Diagnostics& warnings,
+                                                         const std::map<std::string, int>& lengths) const;
 
   /// The program of a source file. Messages name the file as it is named here.
   Result<std::shared_ptr<const lang::Program>> load(const std::filesystem::path& file, Diagnostics& warnings);

@@ -14,10 +14,22 @@ TextureCall::TextureCall(PointCall& call, const lang::TextureFunction& function)
   for (; next + 1 < call.argumentCount(); next += 2) {
     const auto* name = std::get_if<std::vector<std::string>>(&call.site().constants[next]);
     const lang::TextureOption* option = name && !name->empty() ? lang::findTextureOption(name->front()) : nullptr;
-    if (option) options_.push_back({option->kind, option->axis, next + 1});
+    if (!option) continue;
+    (options_.empty() && isKnown(*option, next + 1) ? known_ : options_)
+        .push_back({option->kind, option->axis, next + 1});
   }
   resultChannels_ = static_cast<int>(call.componentCount(PointCall::result));
   channels_ = resultChannels_ + (alpha_ == none ? 0 : 1);
+}
+
+/// Is the value a constant that no lane has anything to report about?
+bool TextureCall::isKnown(const lang::TextureOption& option, std::size_t value) const {
+  const lang::ConstantValue& constant = call_.site().constants[value];
+  if (std::holds_alternative<std::monostate>(constant)) return false;
+  const auto* texts = std::get_if<std::vector<std::string>>(&constant);
+  if (!texts || texts->empty()) return true;
+  if (option.kind == TextureOptionKind::wrap) return textureWrap(texts->front()).has_value();
+  return option.kind != TextureOptionKind::interpolation || textureInterpolation(texts->front()).has_value();
 }
 
 void TextureCall::readCoordinates(unsigned lane, TexturePoint& point) const {
@@ -87,7 +99,11 @@ void TextureCall::apply(const Option& option, unsigned lane, TexturePoint& point
 }
 
 TexturePoint TextureCall::read(unsigned lane) {
-  TexturePoint point;
+  if (!common_) {
+    common_.emplace();
+    for (const Option& option : known_) apply(option, lane, *common_);
+  }
+  TexturePoint point = *common_;
   readCoordinates(lane, point);
   for (const Option& option : options_) apply(option, lane, point);
   // A single channel's alpha is the one behind it.

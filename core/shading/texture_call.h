@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,12 +34,15 @@ class TextureCall {
     int axis;
     std::size_t value;  ///< The argument's number.
   };
+  bool isKnown(const lang::TextureOption& option, std::size_t value) const;
   void apply(const Option& option, unsigned lane, TexturePoint& point);
   void readCoordinates(unsigned lane, TexturePoint& point) const;
 
   PointCall& call_;
   const lang::TextureFunction& function_;
-  std::vector<Option> options_;
+  std::vector<Option> known_;           ///< Constants of the program in front of the others: the same in every lane.
+  std::vector<Option> options_;         ///< The others.
+  std::optional<TexturePoint> common_;  ///< What the constants say; made for the first lane.
   std::size_t alpha_ = none, message_ = none;
   int resultChannels_ = 1, channels_ = 1;
   static constexpr std::size_t none = ~std::size_t{0};

@@ -137,6 +137,19 @@ said out '		metadata: string help = "says \"much\""'
 said out '		metadata: int version = 3'
 said out '		metadata: float max = 1'
 said out '		Unknown default value'
+cat >braces.osl <<'OSL'
+shader braces {{ string help = "in braces" }} (float a[2] = {1, 2} {{ float min = 0, int range[2] = {1, 2} }}) {{ printf("%g\n", a[0]); }}
+OSL
+"$work/oslinfo" -v braces.osl >out 2>&1
+said out '		metadata: string help = "in braces"'
+said out '		metadata: float min = 0'
+said out '		metadata: int[2] range = 1 2'
+echo 'shader open(float list[] = {1, 2.5}, string s[] = {"a"}) { printf("%g\n", list); }' >open.osl
+shows 0 oslinfo open.osl <<'OUT'
+shader "open"
+float[] list  [ 1 2.5 ]
+string[] s "a" 
+OUT
 shows 1 oslinfo nothing <<'OUT'
 ERROR opening shader "nothing" (File "nothing" could not be found.)
 OUT

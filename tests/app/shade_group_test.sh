@@ -75,6 +75,30 @@ WARNING: Shader warning [tint]: too much
 
 OUT
 
+echo "-- arrays without a length are as long as what they are given"
+cat >lists.osl <<'OSL'
+float sum(float x[]) { float s = 0; for (int i = 0; i < arraylength(x); ++i) s += x[i]; return s; }
+shader lists(float a[] = {1, 2}, string names[] = {"x"}, output float total = 0, output float more[4] = {1, 1, 1, 1}) {
+  total = sum(a);
+  printf("%d %d %g\n", arraylength(a), arraylength(names), total);
+}
+OSL
+shows lists <<'OUT'
+2 1 3
+
+OUT
+shows --param:type=float[4] a 1,2,3,4 lists <<'OUT'
+4 1 10
+
+OUT
+shows --group 'param float[1] a 7; param string[3] names "a" "b" "c"; shader lists one; shader lists two;
+connect one.more two.a;' --entry one --entry two <<'OUT'
+Entry layers: one(0) two(1)
+1 3 7
+4 1 4
+
+OUT
+
 echo "-- a parameter that changes"
 shows --iters 2 --param:interactive=1 base 1,1,1 --param amount 0.5 --shader tint t --reparam t base 0,1,0 <<'OUT'
 tint 0.5 0.5 0.5

@@ -170,6 +170,9 @@ shader wrong(int given[2] = {1, 2}) {
   printf("%g\n", a[(int)(v * 20)]);
   int fixed[2] = {3, 4};
   if (v > 0) printf("%d %d\n", given[(int)(v * 20)], fixed[(int)(v * 20)]);
+  color c = u;
+  matrix m = u;
+  if (v > 0) printf("%g %g\n", c[(int)(v * 20)], m[1][(int)(v * 20)]);
 }
 OSL
 shows -g 1 2 --groupname g --layer one wrong <<'OUT'
@@ -181,6 +184,9 @@ ERROR: Index [20] out of range a[0..2]: wrong.osl:6 (group g, layer 0 one, shade
 ERROR: Index [20] out of range given[0..1]: wrong.osl:8 (group g, layer 0 one, shader wrong)
 ERROR: Index [20] out of range fixed[0..1]: wrong.osl:8 (group g, layer 0 one, shader wrong)
 2 4
+ERROR: Index [20] out of range c[0..2]: wrong.osl:11 (group g, layer 0 one, shader wrong)
+ERROR: Index [20] out of range m[0..3]: wrong.osl:11 (group g, layer 0 one, shader wrong)
+0.5 0
 
 OUT
 

@@ -154,7 +154,8 @@ std::vector<OptionRow> Reader::outputRows() {
          return {};
        }},
       {"d,od", "uint8|half|float", "Type of the pixels written [as computed]", setText(arguments.dataFormat)},
-      {"print", "", "Print the outputs instead of writing images", setFlag(arguments.printValues)},
+      {"print,print-outputs,print_outputs", "", "Print the outputs instead of writing images",
+       setFlag(arguments.printValues)},
       {"entry", "LAYER", "Run this layer; repeatable [all that the last one needs]", addText(arguments.entryLayers)},
       {"entryoutput", "NAME", "Run what gives this output; repeatable", addText(arguments.entryOutputs)},
   };

@@ -11,6 +11,7 @@
 
 #include "core/app/tools/group_text.h"
 #include "core/app/tools/shader_files.h"
+#include "core/lang/array_lengths.h"
 #include "core/lang/group.h"
 #include "core/lang/user_data.h"
 #include "core/shading/native_plugins.h"
@@ -46,11 +47,13 @@ class Compiler {
     folders_.insert(folders_.end(), folders.begin(), folders.end());
   }
 
-  Result<std::shared_ptr<const lang::Program>> compile(const ShadeLayer& layer, Diagnostics& warnings) {
-    auto& known = compiled_[layer.shader];
+  /// `lengths` of arrays that the shader declares without one.
+  Result<std::shared_ptr<const lang::Program>> compile(const ShadeLayer& layer, Diagnostics& warnings,
+                                                       const lang::ArrayLengths& lengths = {}) {
+    auto& known = compiled_[{layer.shader, lengths}];
     if (!known) {
-      auto source = layer.expression.empty() ? compileFile(layer.shader)
-                                             : lang::compileString(layer.expression, layer.shader, options_);
+      auto source = layer.expression.empty() ? compileFile(layer.shader, lengths)
+                                             : lang::compileString(layer.expression, layer.shader, options_, lengths);
       if (!source) return source.errors();
       warnings.append(source->warnings);
       known = source->layer;
@@ -62,17 +65,17 @@ class Compiler {
   }
 
  private:
-  Result<lang::CompiledSource> compileFile(const std::string& name) const {
+  Result<lang::CompiledSource> compileFile(const std::string& name, const lang::ArrayLengths& lengths) const {
     if (const auto file = findShaderFile(name, folders_)) {
       return shading::isPluginFile(*file) ? shading::compilePlugin(*file, options_)
-                                          : lang::compileFile(*file, options_);
+                                          : lang::compileFile(*file, options_, lengths);
     }
     return Diagnostic{Severity::error, {}, fmt::format("No .oso file could be found for shader \"{}\"", name), {}, {}};
   }
 
   std::vector<fs::path> folders_;
   const lang::CompileOptions& options_;
-  std::map<std::string, std::shared_ptr<const lang::Program>> compiled_;
+  std::map<std::pair<std::string, lang::ArrayLengths>, std::shared_ptr<const lang::Program>> compiled_;
 };
 
 /// With the parameter's own type where OSL lets the value stand for one of it: a float for a colour.
@@ -155,7 +158,13 @@ Result<ShadeGroup> buildShadeGroup(const ShadeArguments& arguments, const std::v
   lang::GroupOptions groupOptions;
   groupOptions.exactTypes = true;
   groupOptions.userDataIsConnected = arguments.userDataIsConnected;
-  const auto resolved = lang::resolve(describe(group, arguments), groupOptions);
+  lang::Group described = describe(group, arguments);
+  const Diagnostics misfits = lang::fitArrays(described, [&](std::size_t layer, const lang::ArrayLengths& lengths) {
+    return compiler.compile(group.requests[layer], group.warnings, lengths);
+  });
+  if (misfits.hasErrors()) return misfits;
+  for (std::size_t i = 0; i < group.layers.size(); ++i) group.layers[i].program = described.layers[i].program;
+  const auto resolved = lang::resolve(described, groupOptions);
   if (!resolved) return resolved.errors();
   group.warnings.append(resolved->warnings);
   auto merged = lang::merge(*resolved);

@@ -39,14 +39,12 @@ AEROSOL_INLINE F round(F x) {
   return trunc(x + copySign(F(0.499999970f), x));
 }
 
-/// The exact remainder of a / b truncated, with the sign of a; 0 where b is 0; NaN for an infinite a. Every step takes
-/// 23 bits off the quotient without rounding error, so a second one is rare.
+namespace detail {
+
+/// What is left of `rest` below the divisor, by steps that each take 23 bits off the quotient: for large quotients.
 template <FloatLanes F>
-AEROSOL_INLINE F fmod(F a, F b) {
+AEROSOL_INLINE F longRemainder(F rest, F divisor) {
   using I = IntOf<F>;
-  const F divisor = abs(b);
-  const I bad = equal(divisor, F(0.0f)) | ~less(abs(a), F(infinity)) | isNan(b);
-  F rest = select(bad, F(0.0f), abs(a));
   while (any(greaterEqual(rest, divisor) & notEqual(rest, F(0.0f)))) {
     // A multiple of b by a power of two where the quotient would overflow.
     const float step = 1.2676506002282294e30f;  // 2^100
@@ -60,6 +58,25 @@ AEROSOL_INLINE F fmod(F a, F b) {
     const F next = select(less(first, F(0.0f)), fma(-lower, unit, rest), first);
     rest = select(greaterEqual(rest, divisor), next, rest);
   }
+  return rest;
+}
+
+}  // namespace detail
+
+/// The exact remainder of a / b truncated, with the sign of a; 0 where b is 0; NaN for an infinite a.
+template <FloatLanes F>
+AEROSOL_INLINE F fmod(F a, F b) {
+  using I = IntOf<F>;
+  const F divisor = abs(b);
+  const I bad = equal(divisor, F(0.0f)) | ~less(abs(a), F(infinity)) | isNan(b);
+  const F dividend = select(bad, F(0.0f), abs(a));
+  const F quotient = trunc(dividend / divisor);
+  // A quotient that was rounded up is one too large; what is left is then a multiple of b's last place, and exact too.
+  const F first = fma(-quotient, divisor, dividend);
+  F rest = select(less(first, F(0.0f)), first + divisor, first);
+  const I isLarge = (~less(quotient, F(4194304.0f)) | equal(divisor, F(infinity))) & ~bad;
+  if (any(isLarge)) [[unlikely]]
+    rest = select(isLarge, detail::longRemainder(select(isLarge, dividend, F(0.0f)), divisor), rest);
   const F result = copySign(rest, a);
   const I isNumber = less(abs(a), F(infinity)) & ~isNan(b);
   return select(equal(b, F(0.0f)), F(0.0f), select(isNumber, result, F(notANumber)));

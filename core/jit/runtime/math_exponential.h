@@ -3,7 +3,7 @@
 // floats, powers that are undefined give 0.
 #pragma once
 
-#include "core/jit/runtime/wide.h"
+#include "core/jit/runtime/processor.h"
 
 namespace aerosol::jit::runtime {
 
@@ -23,11 +23,26 @@ AEROSOL_INLINE F scaleByPowerOfTwo(F p, IntOf<F> n) {
   return p * powerOfTwo(half) * powerOfTwo(n - half);
 }
 
+/// The same where n is a whole float: one instruction where the processor has it, with the same bits.
+template <FloatLanes F>
+AEROSOL_INLINE F scaleByPowerOfTwo(F p, F n) {
+#if defined(AEROSOL_RUNTIME_AVX512_ATTRIBUTES)
+  if constexpr (widthOf<F> == 16) {
+    if (processorHasAvx512()) {
+      typedef float V __attribute__((vector_size(64)));
+      return __builtin_bit_cast(
+          F, __builtin_ia32_scalefps512_mask(__builtin_bit_cast(V, p), __builtin_bit_cast(V, n), V{}, 0xffff, 4));
+    }
+  }
+#endif
+  return scaleByPowerOfTwo(p, convertTruncating(n));
+}
+
 /// e^x = m 2^n with m in about [0.7, 1.42], for |x| < 1000.
 template <FloatLanes F>
 struct Exponential {
   F mantissa;
-  IntOf<F> exponent;
+  F exponent;
 };
 
 template <FloatLanes F>
@@ -41,7 +56,7 @@ AEROSOL_INLINE Exponential<F> splitExponential(F x) {
   p = fma(p, r, F(0.166665763f));
   p = fma(p, r, F(0.5f));
   p = fma(r * r, p, r) + F(1.0f);
-  return {p, toIntUnchecked(n)};
+  return {p, n};
 }
 
 /// 2^x - 1 over x in [-0.505, 0.505], times x.
@@ -114,21 +129,19 @@ AEROSOL_INLINE F scaledLogarithm(F x, float scale, float scaleLow, float unit, f
 
 }  // namespace detail
 
-/// e^x. Overflows to infinity.
+/// e^x. Overflows to infinity. (The order of what is clamped lets NaN through.)
 template <FloatLanes F>
 AEROSOL_INLINE F exp(F x) {
-  const F clamped = max(min(x, F(89.0f)), F(-104.0f));
-  const auto e = detail::splitExponential(clamped);
-  return select(isNan(x), x, detail::scaleByPowerOfTwo(e.mantissa, e.exponent));
+  const auto e = detail::splitExponential(max(F(-104.0f), min(F(89.0f), x)));
+  return detail::scaleByPowerOfTwo(e.mantissa, e.exponent);
 }
 
 /// 2^x. Overflows to infinity.
 template <FloatLanes F>
 AEROSOL_INLINE F exp2(F x) {
-  const F clamped = max(min(x, F(129.0f)), F(-151.0f));
+  const F clamped = max(F(-151.0f), min(F(129.0f), x));
   const F n = roundEven(clamped);
-  const F p = detail::exp2Fraction(clamped - n);
-  return select(isNan(x), x, detail::scaleByPowerOfTwo(p, toIntUnchecked(n)));
+  return detail::scaleByPowerOfTwo(detail::exp2Fraction(clamped - n), n);
 }
 
 /// e^x - 1, accurate near 0.
@@ -220,7 +233,7 @@ AEROSOL_INLINE F pow(F x, F y) {
   const I inRange = less(abs(exactY), F(155.0f));
   const F r = (t - n) + select(inRange, tLow, F(0.0f));
   const F p = detail::exp2Fraction(max(min(r, F(0.51f)), F(-0.51f)));
-  F result = min(detail::scaleByPowerOfTwo(p, toIntUnchecked(n)), F(largestFloat));
+  F result = min(detail::scaleByPowerOfTwo(p, n), F(largestFloat));
   // Signs and the undefined.
   const I isInteger = equal(y, floor(y));
   const F halfY = y * F(0.5f);
@@ -253,7 +266,7 @@ AEROSOL_INLINE F sinh(F x) {
   p = fma(p, z, F(0.166666672f));
   const F small = fma(x * z, p, x);
   const auto e = detail::splitExponential(min(magnitude, F(90.0f)));
-  const F half = detail::scaleByPowerOfTwo(e.mantissa, e.exponent - IntOf<F>(1));
+  const F half = detail::scaleByPowerOfTwo(e.mantissa, e.exponent - F(1.0f));
   const F large = copySign(half - F(0.25f) / half, x);
   return select(less(magnitude, F(1.0f)), small, select(isNan(x), x, large));
 }
@@ -262,7 +275,7 @@ AEROSOL_INLINE F sinh(F x) {
 template <FloatLanes F>
 AEROSOL_INLINE F cosh(F x) {
   const auto e = detail::splitExponential(min(abs(x), F(90.0f)));
-  const F half = detail::scaleByPowerOfTwo(e.mantissa, e.exponent - IntOf<F>(1));
+  const F half = detail::scaleByPowerOfTwo(e.mantissa, e.exponent - F(1.0f));
   return select(isNan(x), x, half + F(0.25f) / half);
 }
 

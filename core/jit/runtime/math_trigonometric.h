@@ -4,7 +4,7 @@
 // ones; infinite ones give NaN.
 #pragma once
 
-#include "core/jit/runtime/wide.h"
+#include "core/jit/runtime/processor.h"
 
 namespace aerosol::jit::runtime {
 
@@ -81,12 +81,11 @@ template <FloatLanes F>
 AEROSOL_INLINE ReducedAngle<F> reduceAngle(F x) {
   using I = IntOf<F>;
   const I simple = less(abs(x), F(largestSimpleAngle));
-  const F small = select(simple, x, F(0.0f));
-  const F n = roundEven(small * F(0.636619747f));
-  F r = fma(-n, F(1.57079637f), small);
+  const F n = roundEven(x * F(0.636619747f));
+  F r = fma(-n, F(1.57079637f), x);
   r = fma(-n, F(-4.37113883e-08f), r);
   r = fma(-n, F(-1.71512451e-15f), r);
-  ReducedAngle<F> reduced{r, toIntUnchecked(n)};
+  ReducedAngle<F> reduced{r, convertTruncating(n)};
   if (any(~simple)) [[unlikely]] {
     const I finite = less(abs(x), F(infinity));
     const auto large = reduceLargeAngle(select(finite & ~simple, x, F(largestSimpleAngle)));

@@ -3,17 +3,18 @@
 #pragma once
 
 #include "core/jit/runtime/hash.h"
+#include "core/jit/runtime/processor.h"
 #include "core/jit/runtime/triple.h"
 
 namespace aerosol::jit::runtime {
 
 namespace detail {
 
-/// Coordinates beyond the ints lie in the outermost cells.
+/// Coordinates beyond the ints lie in one cell.
 struct CellKey {
   template <FloatLanes F>
   AEROSOL_INLINE UintOf<F> operator()(F x) const {
-    return asUint(toIntUnchecked(max(min(floor(x), F(2147483520.0f)), F(-2147483648.0f))));
+    return asUint(floorToInt(x));
   }
 };
 struct BitsKey {

@@ -22,7 +22,7 @@ struct LatticeAxis {
   F fade;
 };
 
-/// The lattice without period. Coordinates beyond the ints use the outermost cells.
+/// The lattice without period. Coordinates beyond the ints have no fraction, and noise 0.
 struct Aperiodic {};
 
 /// A lattice that repeats after floor(period) cells, at least 1.
@@ -31,10 +31,8 @@ struct Period {
   F length;
 };
 
-template <FloatLanes F>
-AEROSOL_INLINE F clampToCells(F x) {
-  return max(min(x, F(2147483520.0f)), F(-2147483648.0f));
-}
+/// Whole numbers below this in magnitude are taken modulo a period in one step.
+inline constexpr float nearCells = 4194304.0f;
 
 /// a modulo b for whole numbers, |a| <= 2^31, 1 <= b < 2^31: exact, in [0, b).
 template <FloatLanes F>
@@ -45,12 +43,19 @@ AEROSOL_INLINE F wholeModulo(F a, F b) {
   return select(greaterEqual(r, b), r - b, r);
 }
 
+/// The same for |a| < `nearCells` and b no greater, by the reciprocal of b, which uniform periods compute once:
+/// (a + 1/2) / b is at least 1 / (2b) from a whole number, and the product is off by less than that, |a| 2^-23 / b.
+template <FloatLanes F>
+AEROSOL_INLINE F nearModulo(F a, F b, F reciprocal) {
+  return fma(-floor(fma(a, reciprocal, F(0.5f) * reciprocal)), b, a);
+}
+
 template <FloatLanes F>
 AEROSOL_INLINE LatticeAxis<F> latticeAxis(F x, Aperiodic) {
   using U = UintOf<F>;
   const F low = floor(x);
   const F t = x - low;
-  const U cell = asUint(toIntUnchecked(clampToCells(low)));
+  const U cell = asUint(convertTruncating(low));
   return {{cell, cell + U(1u)}, {t, t - F(1.0f)}, t * t * t * fma(t, fma(t, F(6.0f), F(-15.0f)), F(10.0f))};
 }
 
@@ -58,10 +63,18 @@ template <FloatLanes F>
 AEROSOL_INLINE LatticeAxis<F> latticeAxis(F x, Period<F> period) {
   using U = UintOf<F>;
   LatticeAxis<F> axis = latticeAxis(x, Aperiodic{});
-  const F length = max(clampToCells(floor(period.length)), F(1.0f));
-  axis.cell[0] = asUint(toIntUnchecked(wholeModulo(clampToCells(floor(x)), length)));
+  const F length = max(min(floor(period.length), F(2147483520.0f)), F(1.0f));
+  const F low = floor(x);
+  F index = nearModulo(low, length, F(1.0f) / length);
+  const F limit = select(lessEqual(length, F(nearCells)), F(nearCells), F(0.0f));
+  const IntOf<F> isFar = ~less(abs(low), limit);
+  if (any(isFar)) [[unlikely]] {
+    const F held = max(min(low, F(2147483520.0f)), F(-2147483648.0f));
+    index = select(isFar, wholeModulo(held, length), index);
+  }
+  axis.cell[0] = asUint(convertTruncating(index));
   const U next = axis.cell[0] + U(1u);
-  axis.cell[1] = select(equal(next, asUint(toIntUnchecked(length))), U(0u), next);
+  axis.cell[1] = select(equal(next, asUint(convertTruncating(length))), U(0u), next);
   return axis;
 }
 

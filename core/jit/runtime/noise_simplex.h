@@ -6,6 +6,7 @@
 
 #include "core/jit/runtime/hash.h"
 #include "core/jit/runtime/jet.h"
+#include "core/jit/runtime/processor.h"
 #include "core/jit/runtime/triple.h"
 
 namespace aerosol::jit::runtime {
@@ -47,14 +48,9 @@ inline constexpr std::uint32_t gradient4[4][2] = {{packTable({0, 0, 0, 0, 0, 0, 
 /// t^4, 0 for negative t.
 template <FloatLanes F>
 AEROSOL_INLINE F cornerWeight(F t) {
-  const F inside = select(greaterEqual(t, F(0.0f)), t, F(0.0f));
+  const F inside = max(t, F(0.0f));
   const F square = inside * inside;
   return square * square;
-}
-
-template <FloatLanes F>
-AEROSOL_INLINE IntOf<F> cellOf(F x) {
-  return toIntUnchecked(max(min(floor(x), F(2147483520.0f)), F(-2147483648.0f)));
 }
 
 /// A mask as 1 or 0.
@@ -174,7 +170,7 @@ struct SimplexJet {
 template <class Kernel, FloatLanes F>
 AEROSOL_INLINE auto simplexSum(std::uint32_t seed, F x) {
   using I = IntOf<F>;
-  const I i = cellOf(x);
+  const I i = floorToInt(x);
   const F x0 = x - toFloat(i);
   const auto n0 = Kernel::corner(i, x0, seed);
   const auto n1 = Kernel::corner(wrapAdd(i, I(1)), x0 - F(1.0f), seed);
@@ -187,8 +183,8 @@ AEROSOL_INLINE auto simplexSum(std::uint32_t seed, F x, F y) {
   constexpr float skew = 0.366025403f;    // (sqrt(3) - 1) / 2
   constexpr float unskew = 0.211324865f;  // (3 - sqrt(3)) / 6
   const F s = (x + y) * F(skew);
-  const I i = cellOf(x + s);
-  const I j = cellOf(y + s);
+  const I i = floorToInt(x + s);
+  const I j = floorToInt(y + s);
   const F t = toFloat(wrapAdd(i, j)) * F(unskew);
   const F x0 = x - (toFloat(i) - t);
   const F y0 = y - (toFloat(j) - t);
@@ -207,9 +203,9 @@ AEROSOL_INLINE auto simplexSum(std::uint32_t seed, Triple<F> p) {
   using I = IntOf<F>;
   constexpr float unskew = 0.166666667f;
   const F s = (p.x + p.y + p.z) * F(0.333333333f);
-  const I i = cellOf(p.x + s);
-  const I j = cellOf(p.y + s);
-  const I k = cellOf(p.z + s);
+  const I i = floorToInt(p.x + s);
+  const I j = floorToInt(p.y + s);
+  const I k = floorToInt(p.z + s);
   const F t = toFloat(wrapAdd(wrapAdd(i, j), k)) * F(unskew);
   const Triple<F> p0 = {p.x - (toFloat(i) - t), p.y - (toFloat(j) - t), p.z - (toFloat(k) - t)};
   // The second corner steps along the largest coordinate, the third along the two largest.
@@ -238,10 +234,10 @@ AEROSOL_INLINE auto simplexSum(std::uint32_t seed, Triple<F> p, F w) {
   using I = IntOf<F>;
   constexpr float unskew = 0.138196601f;  // (5 - sqrt(5)) / 20
   const F s = (p.x + p.y + p.z + w) * F(0.309016994f);
-  const I i = cellOf(p.x + s);
-  const I j = cellOf(p.y + s);
-  const I k = cellOf(p.z + s);
-  const I l = cellOf(w + s);
+  const I i = floorToInt(p.x + s);
+  const I j = floorToInt(p.y + s);
+  const I k = floorToInt(p.z + s);
+  const I l = floorToInt(w + s);
   const F t = toFloat(wrapAdd(wrapAdd(wrapAdd(i, j), k), l)) * F(unskew);
   const Triple<F> p0 = {p.x - (toFloat(i) - t), p.y - (toFloat(j) - t), p.z - (toFloat(k) - t)};
   const F w0 = w - (toFloat(l) - t);

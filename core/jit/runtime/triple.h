@@ -36,6 +36,11 @@ template <class F>
 AEROSOL_INLINE F toUnsigned(const F& value) {
   return F(0.5f) * (value + F(1.0f));
 }
+/// The same bits at once: halving is exact.
+template <FloatLanes F>
+AEROSOL_INLINE F toUnsigned(const F& value) {
+  return fma(F(0.5f), value, F(0.5f));
+}
 template <class F>
 AEROSOL_INLINE Triple<F> toUnsigned(const Triple<F>& value) {
   return {toUnsigned(value.x), toUnsigned(value.y), toUnsigned(value.z)};

@@ -171,6 +171,31 @@ TEST(Bounds, holdForACloudAndAreUseful) {
   EXPECT_GT(tight, 4u) << "boxes that are points have close bounds";
 }
 
+/// A product with itself, of numbers and of vectors, is not negative.
+TEST(Bounds, knowSquares) {
+  ProgramBuilder b;
+  const VariableId u = b.global(Global::u), p = b.global(Global::P);
+  b.output(b.emit(Op::multiply, types::floating, {u, u}));
+  b.output(b.call("dot_f_vv", types::floating, {p, p}));
+  const auto program = b.build();
+  for (const int width : widths) {
+    const Kernel kernel = compileOrFail(rangeRequest(program, width));
+    Boxes boxes;
+    boxes.count = 1;
+    for (std::size_t i = 0; i < boxes.low.size(); ++i) {
+      boxes.low[i].push_back(-1);
+      boxes.high[i].push_back(2);
+    }
+    const auto bounds = runRange(kernel, boxes)[0];
+    for (const std::size_t output : {0u, 1u}) {
+      const double most = output == 0 ? 4 : 12;
+      EXPECT_GE(bounds[output].low, -1e-5);
+      EXPECT_GE(bounds[output].high, most);
+      EXPECT_LE(bounds[output].high, most + 1e-4);
+    }
+  }
+}
+
 TEST(Bounds, aFunctionWithoutARuleGivesEverything) {
   ProgramBuilder b;
   b.output(b.call("unheard_of_f_v", types::floating, {b.global(Global::P)}));

@@ -117,6 +117,30 @@ TEST(Specialise, FoldsKindsOfNoise) {
   EXPECT_THAT(toString(special), Not(HasSubstr("branch")));
 }
 
+TEST(Specialise, RunsStringFunctionsThatWriteTheirArguments) {
+  const Program program = compiled(
+      "shader s(string text = \"a,bc\", output int n = 0, output string r = \"\") {\n"
+      "  string parts[3];\n  int found[4];\n  n = split(text, parts, \",\");\n"
+      "  if (regex_search(parts[1], found, \"b(c)\")) n += found[2];\n  r = parts[1];\n}");
+  EXPECT_THAT(toString(program), HasSubstr("split"));
+  const Program special = specialise(program, {{0, program.parameters[0].defaultValue}});
+  EXPECT_THAT(toString(special), Not(HasSubstr("call")));
+  EXPECT_EQ(special.variables[special.outputs[0].variable].value, ConstantValue(std::vector<std::int32_t>{3}));
+  EXPECT_EQ(special.variables[special.outputs[1].variable].value, ConstantValue(std::vector<std::string>{"bc"}));
+}
+
+TEST(Specialise, AsksWordsOfArraysOnce) {
+  const Program program = compiled(
+      "shader s(output int r = 0, output float f = 0) {\n"
+      "  string names[3] = {\"x\", \"yy\", \"zzz\"};\n  string name = names[(int)u];\n"
+      "  r = name == \"yy\";\n  f = strlen(name);\n  names[1] = \"q\";\n  printf(\"%s\", names[(int)v]);\n}");
+  const std::string listing = toString(specialise(program, {}));
+  EXPECT_THAT(listing, Not(HasSubstr("equal")));
+  EXPECT_THAT(listing, Not(HasSubstr("strlen")));
+  EXPECT_THAT(listing, HasSubstr("(0 1 0)"));
+  EXPECT_THAT(listing, HasSubstr("(1 2 3)"));
+}
+
 TEST(Specialise, ComputesDefaultsThatNoInstanceGives) {
   const Program program = compiled("shader s(float a = 2, float b = a * 2, output float r = 0) { r = b; }");
   const Program computed = specialise(program, {{0, std::vector<float>{3}}, {1, ConstantValue{}}});

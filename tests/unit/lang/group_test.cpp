@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "core/lang/array_lengths.h"
 #include "core/lang/compile.h"
 #include "core/lang/fold.h"
 #include "tests/unit/lang/interpreter.h"
@@ -440,6 +441,33 @@ TEST(Group, LongChainsAndWideFansAreFast) {
   float expected = 6;
   for (int i = 1; i < 1000; ++i) expected += static_cast<float>(i % 7);
   EXPECT_THAT(floats(chain.run(at(3)), "l999.total"), ElementsAre(expected));
+}
+
+/// Arrays without a length take that of what is given or connected, through several layers.
+TEST(Group, fitsArraysWithoutALength) {
+  const std::map<std::string, std::string> sources = {
+      {"from", "shader from(output float out[3] = {1, 2, 3}) { }"},
+      {"through", "shader through(float x[] = {5, 6}, output float more[] = {7}) { more[0] = x[arraylength(x) - 1]; }"},
+      {"to",
+       "shader to(float a[] = {1}, float b[] = {1, 2, 3, 4, 5}, string s[] = {\"s\"}) {\n"
+       "  printf(\"%d %d %d %g\", arraylength(a), arraylength(b), arraylength(s), a[0] + b[1]);\n}"}};
+  Builder b;
+  b.add("from", sources.at("from"));
+  b.add("through", sources.at("through"), {{"more", types::floating.arrayOf(4), std::vector<float>{0, 1, 2, 3}, {}}});
+  b.add("to", sources.at("to"), {{"b", types::floating.arrayOf(2), std::vector<float>{10, 20}, {}}});
+  b.connect("from.out", "through.x").connect("through.more", "to.a");
+  CompileOptions options;
+  options.standardLibrary = AEROSOL_SOURCE_DIR "/shaders/stdosl.h";
+  std::vector<ArrayLengths> asked;
+  const auto recompile = [&](std::size_t layer, const ArrayLengths& lengths) -> Result<std::shared_ptr<const Program>> {
+    asked.push_back(lengths);
+    auto source = compileString(sources.at(b.group.layers[layer].name), "test.osl", options, lengths);
+    if (!source) return source.errors();
+    return source->layer;
+  };
+  EXPECT_FALSE(fitArrays(b.group, recompile).hasErrors());
+  EXPECT_EQ(asked, (std::vector<ArrayLengths>{{{"x", 3}, {"more", 4}}, {{"a", 4}, {"b", 2}}}));
+  EXPECT_THAT(b.run().messages, ElementsAre("print: 4 2 1 23"));
 }
 
 }  // namespace

@@ -1,0 +1,15 @@
+// Loops whose rounds are known from the program's text.
+#pragma once
+
+#include <optional>
+
+#include "core/lang/program.h"
+
+namespace aerosol::jit {
+
+/// Rounds of `for (i = a; i < b; i += c)` in `code`, where a, b and c are constants, nothing else writes the counter,
+/// and there are at most `most`; fewer where the body breaks off. None: not such a loop.
+std::optional<unsigned> countedRounds(const lang::Program& program, const lang::Code& code,
+                                      const lang::Instruction& loop, unsigned most);
+
+}  // namespace aerosol::jit
