@@ -63,4 +63,5 @@ void registerPlugins(Registry& registry) {
 ]])
   add_library(aerosol_plugins STATIC ${sources} "${table}")
   target_link_libraries(aerosol_plugins PUBLIC core_render core_grid PRIVATE fmt::fmt)
+  aerosol_precompile(aerosol_plugins)
 endfunction()

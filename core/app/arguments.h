@@ -116,7 +116,7 @@ struct StudyArguments {
   std::string folder;
   std::vector<StudyAxis> axes;
   double budget = 100;  ///< Seconds of rendering.
-  int size = 160;       ///< Pixels of the longer side.
+  int size = 96;        ///< Pixels of the longer side.
   int repetitions = 8;
 };
 

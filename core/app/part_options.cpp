@@ -86,7 +86,7 @@ void addStudy(CLI::App& program, StudyArguments& study) {
     study.budget = *seconds;
   };
   addParsed(app, "--budget", "TIME", budget, "Time for rendering, the reference's included [100s]");
-  addInteger(app, "--size", study.size, 8, "Pixels of the longer side: larger films are made smaller [160]");
+  addInteger(app, "--size", study.size, 8, "Pixels of the longer side: larger films are made smaller [96]");
   addInteger(app, "--repetitions", study.repetitions, 3,
              "Independent renders of each configuration, which tell bias\nfrom noise [8]");
   addSceneOptions(app, study.render);

@@ -13,6 +13,7 @@
 
 #include "core/app/cost_report.h"
 #include "core/app/deep_picture.h"
+#include "core/app/doctor/examination.h"
 #include "core/app/file_watch.h"
 #include "core/app/film_file.h"
 #include "core/app/frames.h"
@@ -28,6 +29,7 @@
 #include "core/app/step_accuracy.h"
 #include "core/app/tev_view.h"
 #include "core/render/film_archive.h"
+#include "core/render/medium_facts.h"
 #include "core/render/renderer.h"
 
 namespace aerosol::app {
@@ -122,6 +124,11 @@ class Render {
 
   bool prepare() {
     if (!session_.load() || !session_.prepare()) return false;
+    if (render::mostStepsAcross(session_.scene()) > render::endlessSteps) {
+      Diagnostics endless = examineSampling(session_.description(), session_.scene());
+      session_.description().sources->annotate(endless);
+      console_.report(endless);
+    }
     const bool mayRefine = arguments_.targetError > 0 && !arguments_.stepScale;
     if (mayRefine && marches(session_.scene()) && !refineSteps()) return false;
     job_ = describeJob(arguments_, session_.description(), session_.scene());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "core/app/quantity.h"
 
@@ -129,20 +130,44 @@ void addBounds(Table& table, const render::PreparedScene& scene) {
 
 }  // namespace
 
-std::vector<std::string> samplingOfMedia(const render::PreparedScene& scene) {
-  std::vector<std::pair<std::string, int>> rows;
-  for (std::size_t i = 0; i < scene.samplingReasons.size(); ++i) {
-    const std::string text = fmt::format("'{}': {}", scene.mediumNames[i], scene.samplingReasons[i]);
-    const auto known = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.first == text; });
-    if (known != rows.end()) {
-      ++known->second;
-    } else {
-      rows.emplace_back(text, 1);
-    }
+namespace {
+
+/// Media that are sampled alike, but for the number of their bound.
+struct SampledAlike {
+  std::string before, after;  ///< Around the number.
+  int count = 0;
+  std::string least, most;  ///< Numbers; empty where there is none.
+};
+
+void addMedium(std::vector<SampledAlike>& rows, const std::string& text) {
+  static constexpr std::string_view bound = "extinction is at most ";
+  SampledAlike row{text, "", 0, "", ""};
+  if (const std::size_t at = text.find(bound); at != std::string::npos) {
+    const std::size_t begin = at + bound.size(), end = std::min(text.find_first_of(",; ", begin), text.size());
+    row = {text.substr(0, begin), text.substr(end), 0, text.substr(begin, end - begin),
+           text.substr(begin, end - begin)};
   }
+  const auto known = std::ranges::find_if(
+      rows, [&](const auto& each) { return each.before == row.before && each.after == row.after; });
+  SampledAlike& group = known != rows.end() ? *known : rows.emplace_back(row);
+  ++group.count;
+  const auto isLess = [](const std::string& a, const std::string& b) {
+    return std::atof(a.c_str()) < std::atof(b.c_str());
+  };
+  if (isLess(row.least, group.least)) group.least = row.least;
+  if (isLess(group.most, row.most)) group.most = row.most;
+}
+
+}  // namespace
+
+std::vector<std::string> samplingOfMedia(const render::PreparedScene& scene) {
+  std::vector<SampledAlike> rows;
+  for (std::size_t i = 0; i < scene.samplingReasons.size(); ++i)
+    addMedium(rows, fmt::format("'{}': {}", scene.mediumNames[i], scene.samplingReasons[i]));
   std::vector<std::string> lines;
-  for (const auto& [text, count] : rows) {
-    lines.push_back(count == 1 ? text : fmt::format("{} ({} media)", text, count));
+  for (const SampledAlike& row : rows) {
+    const std::string bound = row.least == row.most ? row.most : fmt::format("{} to {}", row.least, row.most);
+    lines.push_back(row.before + bound + row.after + (row.count == 1 ? "" : fmt::format(" ({} media)", row.count)));
   }
   return lines;
 }

@@ -9,6 +9,7 @@
 #include "core/jit/cost.h"
 #include "core/render/kernel_queue.h"
 #include "core/render/medium_bounds.h"
+#include "core/render/medium_facts.h"
 
 namespace aerosol::render {
 
@@ -179,12 +180,10 @@ void plantTree(PreparedScene& scene, volume::Medium& medium, MediumRanges& range
 }
 
 /// Is scattering nowhere possible, as far as is proven?
-bool mayScatter(const volume::Medium& medium) {
-  if (medium.constant) return !isBlack(medium.constant->sigmaS);
-  if (!medium.tree) return true;
-  const auto scatters = [](const volume::BoundRanges& r) { return r.scatteringHigh > 0; };
-  return medium.tree->outside.kind() != volume::LeafKind::empty || medium.tree->ranges.empty() ||
-         std::ranges::any_of(medium.tree->ranges, scatters);
+bool mayScatter(const PreparedScene& scene, const volume::Medium& medium) {
+  if (factsOfShader(scene, medium).scatters == Answer::no) return false;
+  const bool isEmptyOutside = medium.tree && medium.tree->outside.kind() == volume::LeafKind::empty;
+  return !isEmptyOutside || factsOf(scene, medium).scatters != Answer::no;
 }
 
 /// Is there emission that is worth to be looked for?
@@ -341,7 +340,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   if (medium.constant) {
     medium.method = DistanceMethod::closedForm;
     medium.transmittance = TransmittanceMethod::closedForm;
-    medium.mayScatter = mayScatter(medium);
+    medium.mayScatter = !isBlack(medium.constant->sigmaS);
     scene.samplingReasons[medium.index] = describeDistances(medium, false);
     keepChoice();
     return errors;
@@ -389,7 +388,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
     const bool isRatio = wantedToLights == TransmittanceSampling::ratio;
     refuseWithoutBound(scene, medium, isRatio ? "ratio tracking" : "delta tracking", "transmittance", errors);
   }
-  medium.mayScatter = mayScatter(medium);
+  medium.mayScatter = mayScatter(scene, medium);
   const bool isKnown = medium.bound && medium.bound->provenance != volume::Provenance::estimated;
   const bool mayChoose = wanted == DistanceSampling::automatic || wanted == DistanceSampling::analytic;
   // Under a bound that is far too loose, hardly anything but null collisions would ever happen.

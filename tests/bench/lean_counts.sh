@@ -2,7 +2,8 @@
 # lean_counts.sh [SCENE [OPTIONS…]]: what effects cost that a scene does not call for. Counts the instructions of the
 # workers of a render (by callgrind, so that the machine's load has no say) in the ordinary build and in the lean one, which
 # knows no optional effect (core/render/optional_effects.h), and compares the images; of all scenes in tests/bench/lean where
-# none is given. Builds both first, unless LEAN_NO_BUILD=1. Fails when a ratio is above 1.02, or images differ.
+# none is given. Builds both first, unless LEAN_NO_BUILD=1. Fails when a ratio is above 1.02, or images differ. The mesh of
+# mesh.xml has 50,000 triangles, or LEAN_TRIANGLES; LEAN_KEEP=PREFIX keeps callgrind's files.
 set -euo pipefail
 
 root=$(cd "${BASH_SOURCE[0]%/*}/../.." && pwd)
@@ -22,12 +23,31 @@ if [ "${LEAN_NO_BUILD:-0}" != 1 ]; then
   done
 fi
 
+# makeMesh TRIANGLES: a field of hills as a mesh with so many triangles, about.
+makeMesh() {
+  awk -v triangles="$1" 'BEGIN {
+    n = int(sqrt(triangles / 2)); points = (n + 1) * (n + 1)
+    printf "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n", points
+    printf "element face %d\nproperty list uchar int vertex_indices\nend_header\n", 2 * n * n
+    for (j = 0; j <= n; ++j) for (i = 0; i <= n; ++i) {
+      x = 2 * i / n - 1; z = 2 * j / n - 1
+      printf "%.6f %.6f %.6f\n", x, 0.12 * sin(9 * x) * cos(7 * z) + 0.01 * sin(80 * x + 50 * z), z
+    }
+    for (j = 0; j < n; ++j) for (i = 0; i < n; ++i) {
+      a = j * (n + 1) + i; b = a + n + 1
+      printf "3 %d %d %d\n3 %d %d %d\n", a, b, a + 1, a + 1, b, b + 1
+    }
+  }'
+}
+makeMesh "${LEAN_TRIANGLES:-50000}" > "$work/mesh.ply"
+
 # count PRESET SCENE: prints the instructions.
 count() {
   local preset=$1 scene=$2 counted
   # Valgrind stops at AVX-512; sobol patterns, one thread and a fixed seed make counts repeatable.
   local command=("$root/.build/$preset/bin/aerosol" render "$scene" -o "$work/$preset.png" --isa avx2 --width 8
                  --threads 1 -q --checkpoint 0 "${options[@]}")
+  ! grep -qF '$mesh' "$scene" || command+=(-D "mesh=$work/mesh.ply")
   "${command[@]}" >&2  # Compiled shaders come from the cache.
   valgrind --tool=callgrind --callgrind-out-file="$work/$preset.out" \
     --toggle-collect='aerosol::render::Worker::run()' "${command[@]}" >&2 2>"$work/$preset.log" ||

@@ -326,6 +326,31 @@ TEST_F(Accuracy, ADoctorFindsWhatIsWrong) {
   EXPECT_THAT(run({"check", "inputs.xml"}).out, HasSubstr("inputs.xml: no errors, 2 warnings"));
 }
 
+/// The doctor itself comes to an end, and a render says so before it begins.
+TEST_F(Accuracy, StepsThatWillNotFinishAreToldBeforeTheyAreTaken) {
+  folder_.write("endless.xml", R"(<scene version="3.0.0">
+  <sensor type="perspective"><float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0, 0, -8" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm"><integer name="width" value="48"/><integer name="height" value="48"/>
+      <rfilter type="box"/></film></sensor>
+  <emitter type="constant"/>
+  <volume type="sphere">
+    <medium type="wisps"><string name="distance" value="marching"/><float name="step_size" value="1e-8"/></medium></volume>
+</scene>)");
+  const char* const finding = "endless.xml:8:5: warning: marching through 'wisps' takes [0-9.]+ M steps a ray";
+  const Outcome outcome = run({"doctor", "endless.xml"}, 1);
+  EXPECT_THAT(outcome.err, ContainsRegex(finding));
+  EXPECT_THAT(outcome.out, HasSubstr("endless.xml: 1 finding"));
+  EXPECT_TRUE(hasPlacesAndRemedies(outcome.err));
+  // A corner that sees nothing of it.
+  const Outcome render = run({"render", "endless.xml", "-o", "a.exr", "--spp", "1", "--crop", "0,0,1,1", "-q"});
+  EXPECT_THAT(render.err, ContainsRegex(finding));
+  EXPECT_EQ(run({"render", "endless.xml", "-o", "a.exr", "--spp", "1", "--crop", "0,0,1,1", "-q", "--set",
+                 "wisps.step_size=0.1"})
+                .err,
+            "");
+}
+
 /// What only shows when rays go there, or is nobody's in particular.
 TEST_F(Accuracy, ADoctorFindsWhatRaysMeet) {
   folder_.write("broken.png", "no picture");

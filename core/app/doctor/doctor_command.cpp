@@ -7,6 +7,7 @@
 #include "core/app/doctor/examination.h"
 #include "core/app/file_check.h"
 #include "core/app/quantity.h"
+#include "core/render/medium_facts.h"
 
 namespace aerosol::app {
 
@@ -25,6 +26,9 @@ Diagnostics withoutFiles(const Diagnostics& found, const Diagnostics& files) {
   return rest;
 }
 
+/// Where a ray would have more steps than come to an end, paths are tried with so many.
+constexpr double pilotSteps = 1000;
+
 }  // namespace
 
 ExitCode doctorCommand(const DoctorArguments& arguments, const Console& console) {
@@ -33,14 +37,17 @@ ExitCode doctorCommand(const DoctorArguments& arguments, const Console& console)
   shrinkFilm(session.description().film, arguments.size);
   if (!session.prepare()) return ExitCode::badInput;
   const scene::SceneDescription& description = session.description();
-  const render::PreparedScene& scene = session.scene();
-  Diagnostics found = examineInputs(description, scene);
-  const Diagnostics files = examineFiles(description, scene);
+  Diagnostics found = examineInputs(description, session.scene());
+  const Diagnostics files = examineFiles(description, session.scene());
   found.append(files);
-  found.append(examineGeometry(description, scene));
-  found.append(examineSampling(description, scene));
+  found.append(examineGeometry(description, session.scene()));
+  found.append(examineSampling(description, session.scene()));
+  if (const double steps = render::mostStepsAcross(session.scene()); steps > render::endlessSteps) {
+    session.description().integrator.stepScale *= static_cast<float>(steps / pilotSteps);
+    if (!session.prepareAgain()) return ExitCode::badInput;
+  }
   const PilotReport pilot = renderPilot(session, 0.5);
-  found.append(withoutFiles(examinePilot(description, scene, pilot), files));
+  found.append(withoutFiles(examinePilot(description, session.scene(), pilot), files));
   description.sources->annotate(found);
   console.report(found);
   const std::size_t count = found.entries().size() + session.warnings().entries().size();

@@ -9,15 +9,13 @@
 #include "core/app/doctor/mesh_check.h"
 #include "core/app/quantity.h"
 #include "core/app/shader_report.h"
+#include "core/render/medium_facts.h"
 
 namespace aerosol::app {
 
 namespace {
 
 using volume::DistanceMethod;
-
-/// Evaluations along one ray beyond which a render does not come to an end.
-constexpr double dearRay = 2e4;
 
 std::string describe(Point<World> p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
 
@@ -109,17 +107,6 @@ SourceLocation firstMeshVolume(const scene::SceneDescription& description) {
   return description.sensor.origin.location;
 }
 
-float extentOf(const render::PreparedScene& scene, std::size_t medium) {
-  for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-    if (scene.volumes[v] && scene.volumes[v]->index == medium) {
-      const Box<World> box = scene.geometry->volume(static_cast<accel::VolumeId>(v)).worldBounds();
-      return length(box.upper - box.lower);
-    }
-  }
-  const Box<World> all = scene.geometry->bounds();
-  return all.isEmpty() ? 1.0f : length(all.upper - all.lower);
-}
-
 }  // namespace
 
 Diagnostics examineGeometry(const scene::SceneDescription& description, const render::PreparedScene& scene) {
@@ -172,14 +159,14 @@ Diagnostics examineSampling(const scene::SceneDescription&, const render::Prepar
     if (medium.constant) continue;
     const SourceLocation& place = scene.mediumLocations[medium.index];
     const std::string& name = scene.mediumNames[medium.index];
-    const auto extent = static_cast<double>(extentOf(scene, medium.index));
+    const auto extent = static_cast<double>(render::extentOf(scene, medium));
     if (medium.method == DistanceMethod::marching) {
-      const double steps = extent / static_cast<double>(medium.stepSize);
-      if (steps > dearRay) {
+      const double steps = render::stepsAcross(scene, medium);
+      if (steps > render::endlessSteps) {
         found.warning(
             place,
             fmt::format("marching through '{}' takes {} steps a ray{}", name, formatShort(steps),
-                        steps > volume::maximumSteps ? ": rays are cut off" : ""),
+                        steps > volume::maximumSteps ? ", and would take longer ones to end" : ""),
             {fmt::format("its step_size is {:.4g} across {:.4g}: give it one of {:.4g} or so, or a density_bound",
                          static_cast<double>(medium.stepSize), extent, extent / 200)});
       } else if (steps < 2) {
@@ -191,7 +178,7 @@ Diagnostics examineSampling(const scene::SceneDescription&, const render::Prepar
     }
     if (medium.bound && medium.method == DistanceMethod::nullScattering) {
       const double collisions = static_cast<double>(medium.bound->value) * extent;
-      if (collisions > dearRay) {
+      if (collisions > render::endlessSteps) {
         found.warning(
             place,
             fmt::format("null scattering in '{}' makes {} tentative collisions a ray", name, formatShort(collisions)),

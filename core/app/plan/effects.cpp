@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <set>
 
 #include "core/app/plan/names.h"
 #include "core/app/quantity.h"
+#include "core/render/medium_facts.h"
 
 namespace aerosol::app {
 
@@ -82,33 +82,6 @@ std::function<std::uint64_t(const WorkerStatistics&)> pointsOfFamilies(std::vect
 }
 
 bool isVolume(std::size_t variant) { return variant <= static_cast<std::size_t>(shading::Variant::extinction); }
-
-bool varies(float low, float high) { return std::fabs(low) > 0 || std::fabs(high) > 0; }
-
-/// What is known of a medium's coefficients: from its constant, or from the ranges over its tree. Without a tree
-/// nothing is ruled out.
-struct MediumFacts {
-  bool scatters = true, emits = true, isChromatic = true, isKnown = false;
-
-  MediumFacts(const render::PreparedScene& scene, std::size_t index) {
-    const volume::Medium& medium = scene.media[index];
-    if (medium.constant) {
-      isKnown = true;
-      // What stands for a hole ends paths.
-      scatters = !medium.isHoldout && !isBlack(medium.constant->sigmaS);
-      emits = !isBlack(medium.constant->emission);
-      const Color s = medium.constant->sigmaT;
-      isChromatic = s.r != s.g || s.g != s.b;
-    } else if (medium.tree && !medium.tree->ranges.empty()) {
-      isKnown = true;
-      scatters = emits = false;
-      for (const volume::BoundRanges& range : medium.tree->ranges) {
-        scatters = scatters || range.scatteringHigh > 0;
-        emits = emits || varies(range.emissionLow, range.emissionHigh);
-      }
-    }
-  }
-};
 
 class EffectList {
  public:
@@ -267,11 +240,15 @@ class EffectList {
           .add(name, place);
       if (method == DistanceMethod::marching) marchedFamilies.insert(scene_.mediumShaders[i].family);
       if (method == DistanceMethod::nullScattering) nullFamilies.insert(scene_.mediumShaders[i].family);
-      const MediumFacts facts(scene_, i);
-      const std::string doubt = facts.isKnown ? "" : " (not ruled out)";
-      if (facts.scatters) scattering.add(name + doubt, place);
-      if (facts.emits) emitting.add(name + doubt, place);
-      if (facts.isChromatic) chromatic.add(name + (medium.constant ? "" : " (not ruled out)"), place);
+      const render::MediumFacts facts = render::factsOf(scene_, medium);
+      const auto note = [&](render::Answer answer, Names& names) {
+        if (answer == render::Answer::no) return;
+        names.add(answer == render::Answer::yes ? name : name + " (not ruled out)", place);
+      };
+      // What stands for a hole ends paths.
+      if (!medium.isHoldout) note(facts.scatters, scattering);
+      note(facts.emits, emitting);
+      note(facts.isColoured, chromatic);
       if (medium.tree) trees.add(name, place);
     }
     const bool hasMedia = !scene_.media.empty();
@@ -343,7 +320,7 @@ class EffectList {
 
   void addShaders() {
     Names textures, derivatives, messages;
-    std::vector<std::size_t> texturing, speaking;
+    std::vector<std::size_t> texturing, deriving, speaking;
     for (std::size_t index = 0; index < scene_.shading.families().size(); ++index) {
       const shading::Family& family = scene_.shading.families()[index];
       const lang::Program& program = *family.program;
@@ -368,17 +345,21 @@ class EffectList {
         families.push_back(index);
       };
       note(readsTextures, textures, texturing);
-      if (readsDerivatives) derivatives.add(program.name, place);
+      note(readsDerivatives, derivatives, deriving);
       note(speaks, messages, speaking);
     }
-    add("textures", textures, "no shader reads a texture or voxels", pointsOfFamilies(std::move(texturing)));
+    const Share ofTexturing = shareOfFamilies({texturing.begin(), texturing.end()});
+    add("textures", textures, "no shader reads a texture or voxels", pointsOfFamilies(std::move(texturing)),
+        ofTexturing);
     const std::string reason =
         derivatives.count() == 0
             ? "no shader asks how its inputs change from pixel to pixel: paths keep no differentials of their rays"
         : scene_.keepsFootprints.isCalledFor() ? derivatives.text()
                                                : "left out: " + derivatives.text();
-    add("derivatives", scene_.keepsFootprints.isCalledFor(), reason, countOf(Work::footprint));
-    add("shader-messages", messages, "no shader prints", pointsOfFamilies(std::move(speaking)));
+    add("derivatives", scene_.keepsFootprints.isCalledFor(), reason, countOf(Work::footprint),
+        shareOfFamilies({deriving.begin(), deriving.end()}));
+    const Share ofSpeaking = shareOfFamilies({speaking.begin(), speaking.end()});
+    add("shader-messages", messages, "no shader prints", pointsOfFamilies(std::move(speaking)), ofSpeaking);
   }
 
   void addLayers() {

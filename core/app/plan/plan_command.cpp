@@ -10,6 +10,7 @@
 #include "core/app/picture.h"
 #include "core/app/pilot.h"
 #include "core/app/plan/effects.h"
+#include "core/app/plan/event_costs.h"
 #include "core/app/plan/features.h"
 #include "core/app/quantity.h"
 #include "core/app/scene_session.h"
@@ -142,7 +143,12 @@ class Plan {
     if (!effect.isOn) return {};
     if (const auto known = measured_.find(effect.name); known != measured_.end())
       return formatPercent(known->second, 1);
-    return effect.share ? formatPercent(effect.share(pilot_.report.statistics), 1) : std::string();
+    const render::WorkerStatistics& statistics = pilot_.report.statistics;
+    if (effect.share) return formatPercent(effect.share(statistics), 1);
+    const auto nanoseconds = nanosecondsOfEvent(effect.name);
+    if (!nanoseconds) return {};
+    const double spent = *nanoseconds * static_cast<double>(effect.work(statistics));
+    return "~" + formatPercent(std::min(1.0, 1e-9 * spent / std::max(pilot_.processorSeconds, 1e-9)), 1);
   }
 
   bool tellWhatIsForcedOff() const {
@@ -178,7 +184,8 @@ class Plan {
     }
     return fmt::format(
         "Shares are of a pilot of {} at {} x {} pixels. The paths' own work is no effect's alone: {} (see aerosol "
-        "render --explain-cost).\nRows: aerosol help effects\n",
+        "render --explain-cost).\n~ by how often it was done, times what that takes about. Rows: aerosol help "
+        "effects\n",
         formatCount(pilot_.samples, "sample"), pilot_.film->area().width(), pilot_.film->area().height(),
         parts.empty() ? "the pilot was too short to see" : parts);
   }

@@ -40,7 +40,7 @@ std::string judgeBias(const StudyCase& study) {
                        formatError(positiveRoot(std::max(last.squaredBias.value, 0.0) + 2 * last.squaredBias.error)));
   }
   std::string text = fmt::format("{}: bias of {}, however long it renders", study.name, formatError(bias));
-  if (std::fabs(last.meanBias.value) > 3 * last.meanBias.error) {
+  if (last.hasMeanBias()) {
     text += fmt::format("; the image is {} too {} in the mean (+- {})", formatError(std::fabs(last.meanBias.value)),
                         last.meanBias.value > 0 ? "bright" : "dark", formatError(last.meanBias.error));
   }
@@ -48,6 +48,15 @@ std::string judgeBias(const StudyCase& study) {
 }
 
 Chart makeChart(const char* title) { return {title, "seconds of one render", "error, part of the mean", true, {}}; }
+
+/// " Of those …", where the best of all has a bias.
+std::string bestWithoutBias(const std::vector<StudyRow>& rows) {
+  const auto found =
+      std::ranges::find_if(rows, [](const StudyRow& row) { return !row.study->rounds.back().hasBias(); });
+  if (found == rows.begin() || found == rows.end()) return {};
+  return fmt::format(" Of those in which no bias is found it is {}: {}.", found->study->name,
+                     formatError(found->error));
+}
 
 }  // namespace
 
@@ -76,10 +85,12 @@ std::vector<std::string> conclusions(const StudyResults& results) {
                                     formatError(best.error), best.study->name));
   }
   if (rows.size() > 1)
-    sentences.push_back(fmt::format(
-        "In equal time, {} each, {} has the smallest error: {}{}.", formatDuration(equalTime(results)),
-        best.study->name, formatError(best.error),
-        isTie ? fmt::format("; {} with {} is not told from it", rows[1].study->name, formatError(rows[1].error)) : ""));
+    sentences.push_back(fmt::format("In equal time, {} each, {} has the smallest error: {}{}.",
+                                    formatDuration(equalTime(results)), best.study->name, formatError(best.error),
+                                    isTie ? fmt::format("; {} with {} is not told from it", rows[1].study->name,
+                                                        formatError(rows[1].error))
+                                          : "") +
+                        bestWithoutBias(rows));
   sentences.push_back(halving(best));
   for (const StudyRow& row : rows) sentences.push_back(judgeBias(*row.study));
   if (!results.reference.isUnbiased) {

@@ -14,26 +14,33 @@ double finite(float value) { return std::isfinite(value) ? static_cast<double>(v
 /// Sums over the values of the image, from which every estimate with any one repetition left out follows.
 struct Moments {
   double count = 0;              ///< Values.
-  std::vector<double> errors;    ///< By repetition: Σ (I_r - F)².
   std::vector<double> means;     ///< By repetition: Σ (I_r - F).
   std::vector<double> cross;     ///< R · R: Σ (I_r - F)(I_s - F).
   double referenceVariance = 0;  ///< Σ v_F.
+  double referenceScatter = 0;   ///< Σ 2 v_F² + 4 M² v_F: the variance of Σ (M - F)² that the reference makes.
+  double squaredVariances = 0;   ///< Σ v_F².
 };
 
 Moments momentsOf(std::span<const StudyImage> repetitions, const StudyReference& reference) {
   const std::size_t r = repetitions.size();
   Moments m;
-  m.count = static_cast<double>(reference.mean.size());
   m.means.resize(r);
   m.cross.resize(r * r);
   std::vector<double> difference(r);
   for (std::size_t i = 0; i < reference.mean.size(); ++i) {
-    m.referenceVariance += finite(reference.variance[i]);
+    if (reference.leavesOut(i)) continue;
+    ++m.count;
+    const double v = finite(reference.variance[i]);
+    m.referenceVariance += v;
+    m.squaredVariances += v * v;
+    double mean = 0;
     for (std::size_t a = 0; a < r; ++a) {
       difference[a] = finite(repetitions[a][i]) - finite(reference.mean[i]);
       m.means[a] += difference[a];
+      mean += difference[a] / static_cast<double>(r);
       for (std::size_t b = 0; b <= a; ++b) m.cross[a * r + b] += difference[a] * difference[b];
     }
+    m.referenceScatter += 2 * v * v + 4 * mean * mean * v;
   }
   return m;
 }
@@ -75,54 +82,88 @@ double jackknife(const std::vector<Estimates>& parts, double Estimates::* member
 
 }  // namespace
 
+namespace {
+
+/// Marks what is above `brightest` times the mean of the rest, the hundredth of all values that is largest at most: a
+/// lamp that is seen would decide all errors alone.
+void leaveOutTheBrightest(StudyReference& reference) {
+  constexpr double brightest = 20;
+  const std::size_t values = reference.mean.size(), most = values / 100;
+  reference.leftOut.assign(values, 0);
+  if (most == 0) return;
+  std::vector<double> sizes;
+  for (const float mean : reference.mean) sizes.push_back(std::fabs(finite(mean)));
+  std::vector<double> sorted = sizes;
+  std::ranges::nth_element(sorted, sorted.end() - static_cast<std::ptrdiff_t>(most));
+  double rest = 0;
+  for (std::size_t i = 0; i + most < values; ++i) rest += sorted[i] / static_cast<double>(values - most);
+  const double limit = std::max(brightest * rest, sorted[values - most]);
+  for (std::size_t i = 0; i < values; ++i) reference.leftOut[i] = rest > 0 && sizes[i] > limit;
+}
+
+}  // namespace
+
 void summarise(std::span<const StudyImage> repetitions, StudyReference& reference) {
   const std::size_t values = repetitions.front().size();
   const auto r = static_cast<double>(repetitions.size());
   reference.mean.assign(values, 0);
   reference.variance.assign(values, 0);
-  std::vector<double> imageMeans(repetitions.size());
-  double scale = 0, variances = 0;
   for (std::size_t i = 0; i < values; ++i) {
     double mean = 0, squares = 0;
-    for (std::size_t k = 0; k < repetitions.size(); ++k) {
-      const double value = finite(repetitions[k][i]);
-      mean += value / r;
-      imageMeans[k] += value / static_cast<double>(values);
-    }
+    for (const StudyImage& image : repetitions) mean += finite(image[i]) / r;
     for (const StudyImage& image : repetitions) squares += (finite(image[i]) - mean) * (finite(image[i]) - mean);
-    const double variance = squares / (r - 1) / r;
     reference.mean[i] = static_cast<float>(mean);
-    reference.variance[i] = static_cast<float>(variance);
-    scale += std::fabs(mean) / static_cast<double>(values);
-    variances += variance / static_cast<double>(values);
+    reference.variance[i] = static_cast<float>(squares / (r - 1) / r);
+  }
+  leaveOutTheBrightest(reference);
+  std::vector<double> imageMeans(repetitions.size());
+  double scale = 0, variances = 0, count = 0;
+  for (std::size_t i = 0; i < values; ++i) {
+    if (reference.leavesOut(i)) continue;
+    ++count;
+    scale += std::fabs(finite(reference.mean[i]));
+    variances += finite(reference.variance[i]);
+    for (std::size_t k = 0; k < repetitions.size(); ++k) imageMeans[k] += finite(repetitions[k][i]);
   }
   double mean = 0, squares = 0;
-  for (const double m : imageMeans) mean += m / r;
+  for (double& m : imageMeans) {
+    m /= count;
+    mean += m / r;
+  }
   for (const double m : imageMeans) squares += (m - mean) * (m - mean);
-  reference.scale = scale > 0 ? scale : 1;
-  reference.error = std::sqrt(variances) / reference.scale;
+  reference.scale = scale > 0 ? scale / count : 1;
+  reference.error = std::sqrt(variances / count) / reference.scale;
   reference.meanError = std::sqrt(squares / (r - 1) / r) / reference.scale;
 }
 
-StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyReference& reference) {
+StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyReference& reference,
+                        std::uint32_t samples) {
   const std::size_t count = repetitions.size();
   const Moments moments = momentsOf(repetitions, reference);
   const Estimates all = estimate(moments, count, count);
   std::vector<Estimates> parts;
   for (std::size_t i = 0; i < count; ++i) parts.push_back(estimate(moments, count, i));
   const double scale = reference.scale, squared = scale * scale;
-  const double ofReference = moments.referenceVariance / moments.count;
   // What the reference's noise adds to the mean over all values: its product with the bias, and its own scatter.
-  const double byReference =
-      std::sqrt((4 * std::max(0.0, all.squaredBias) * ofReference + 2 * ofReference * ofReference) / moments.count);
+  const double byReference = std::sqrt(moments.referenceScatter) / moments.count;
+  // What is seldom and bright may be in none of the repetitions, which then agree about being wrong: as many samples of
+  // the reference say how far their mean may be off, s² = v_F n_F / (R n), and Σ (M - F)² scatters by sqrt(2 Σ s⁴).
+  const double fewer = samples > 0 && reference.samples > 0
+                           ? static_cast<double>(reference.samples) / (static_cast<double>(count) * samples)
+                           : 0;
+  const double bySeldom = std::sqrt(2 * moments.squaredVariances) * fewer / moments.count;
+  const double besides = std::hypot(byReference, bySeldom);
   StudyRound round;
+  round.samples = samples;
   round.squaredError = {all.squaredError / squared,
-                        std::hypot(jackknife(parts, &Estimates::squaredError), byReference) / squared};
+                        std::hypot(jackknife(parts, &Estimates::squaredError), besides) / squared};
   round.variance = {all.variance / squared, jackknife(parts, &Estimates::variance) / squared};
   round.squaredBias = {all.squaredBias / squared,
-                       std::hypot(jackknife(parts, &Estimates::squaredBias), byReference) / squared};
-  round.meanBias = {all.meanBias / scale,
-                    std::hypot(jackknife(parts, &Estimates::meanBias) / scale, reference.meanError)};
+                       std::hypot(jackknife(parts, &Estimates::squaredBias), besides) / squared};
+  // The same of the mean: variances of all values, as if they did not depend on each other.
+  const double meanBySeldom = std::sqrt(moments.referenceVariance * fewer) / moments.count;
+  round.meanBias = {all.meanBias / scale, std::hypot(jackknife(parts, &Estimates::meanBias) / scale,
+                                                     reference.meanError, meanBySeldom / scale)};
   return round;
 }
 

@@ -12,7 +12,8 @@ namespace aerosol::app {
 using StudyImage = std::vector<float>;
 
 /// The mean of independent repetitions and the variance of that mean, value by value; scale and errors. Needs two
-/// repetitions at least.
+/// repetitions at least. Leaves single bright values out of all errors: what is above 20 times the mean of the rest,
+/// but no more than a hundredth of the image.
 void summarise(std::span<const StudyImage> repetitions, StudyReference& reference);
 
 /// Splits the error of a configuration into variance and bias. With R repetitions I_r of mean M against a reference F
@@ -23,8 +24,10 @@ void summarise(std::span<const StudyImage> repetitions, StudyReference& referenc
 ///
 /// All three are unbiased estimates, so that bias² of a method without bias is around 0, on either side. Their errors
 /// come from leaving out one repetition at a time (Quenouille and Tukey's jackknife), that of bias² also from the noise
-/// of the reference. Values that are not finite count as 0.
-StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyReference& reference);
+/// of the reference, and, where `samples` of a repetition are given, from what they may have missed as the scatter of
+/// the reference tells. Values that are not finite count as 0.
+StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyReference& reference,
+                        std::uint32_t samples = 0);
 
 /// The error (not squared) at a time, along the straight line between rounds in logarithms. Before the first
 /// round there is no render: its error. After the last one noise falls with time, and bias that was found stays.

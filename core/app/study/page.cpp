@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string_view>
@@ -165,6 +166,12 @@ std::string method(const StudyResults& results) {
       "runs.</p>\n",
       results.repetitions, r.width, r.height, escapeHtml(results.machine), escapeHtml(r.method), r.samples,
       formatDuration(r.seconds), formatError(r.error));
+  if (const auto count = std::ranges::count_if(r.leftOut, [](auto each) { return each != 0; }); count > 0) {
+    html += fmt::format(
+        "<p>{:.2g}% of the image takes no part in errors: what is more than 20 times as bright as the rest, such as a "
+        "lamp that is seen, would decide them alone.</p>\n",
+        100.0 * static_cast<double>(count) / static_cast<double>(r.leftOut.size()));
+  }
   if (const double share = results.machineTime.share(); share < 0.8) {
     html += fmt::format(
         "<p>The machine was busy with other work: it gave these renders {:.0f}% of the processors that they could use. "

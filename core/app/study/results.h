@@ -1,6 +1,7 @@
 // What a study has found: plain data, kept in a file while the study goes on.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,13 +13,16 @@ struct StudyReference {
   std::string method;
   bool isUnbiased = true;
   int width = 0, height = 0;
-  std::vector<float> mean;      ///< 3 · width · height.
-  std::vector<float> variance;  ///< Of that mean, as its repetitions scatter.
-  double scale = 0;             ///< Mean magnitude of the image: errors are parts of it.
-  double error = 0;             ///< Root mean square standard error, a part of the scale.
-  double meanError = 0;         ///< Standard error of the image's mean, a part of the scale.
-  std::uint32_t samples = 0;    ///< A pixel, all repetitions together.
+  std::vector<float> mean;            ///< 3 · width · height.
+  std::vector<float> variance;        ///< Of that mean, as its repetitions scatter.
+  std::vector<std::uint8_t> leftOut;  ///< Not 0: a value of no part in errors.
+  double scale = 0;                   ///< Mean magnitude of the image: errors are parts of it.
+  double error = 0;                   ///< Root mean square standard error, a part of the scale.
+  double meanError = 0;               ///< Standard error of the image's mean, a part of the scale.
+  std::uint32_t samples = 0;          ///< A pixel, all repetitions together.
   double seconds = 0;
+
+  bool leavesOut(std::size_t value) const { return value < leftOut.size() && leftOut[value] != 0; }
 };
 
 /// A quantity and its standard error.
@@ -36,7 +40,13 @@ struct StudyRound {
   Measured meanBias;          ///< Of the whole image: positive is too bright.
 
   /// Whether the squared bias is told from noise.
-  bool hasBias() const { return squaredBias.value > 3 * squaredBias.error; }
+  bool hasBias() const { return squaredBias.value > certainly * squaredBias.error; }
+  /// The same of the mean of the whole image.
+  bool hasMeanBias() const { return std::fabs(meanBias.value) > certainly * meanBias.error; }
+
+  /// Errors come from 8 repetitions, and a study makes ten such comparisons: Student's t of 7 degrees of freedom is
+  /// above this once in 1,000 times.
+  static constexpr double certainly = 4.8;
 };
 
 /// One configuration.
@@ -75,8 +85,8 @@ struct StudyResults {
 
 template <class A>
 void describe(A& archive, StudyReference& r) {
-  archive(r.method, r.isUnbiased, r.width, r.height, r.mean, r.variance, r.scale, r.error, r.meanError, r.samples,
-          r.seconds);
+  archive(r.method, r.isUnbiased, r.width, r.height, r.mean, r.variance, r.leftOut, r.scale, r.error, r.meanError,
+          r.samples, r.seconds);
 }
 template <class A>
 void describe(A& archive, Measured& m) {

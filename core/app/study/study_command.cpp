@@ -254,8 +254,7 @@ class Study {
     for (std::uint32_t samples = 1;; samples *= 2) {
       if (!renders.extendTo(samples)) break;
       const auto images = renders.images();
-      StudyRound round = measureRound(images, results_.reference);
-      round.samples = samples;
+      StudyRound round = measureRound(images, results_.reference, samples);
       round.seconds = renders.idleSeconds() / arguments_.repetitions;
       study.rounds.push_back(round);
       study.picture = images.front();

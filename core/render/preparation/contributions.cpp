@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "core/base/hash.h"
+#include "core/render/medium_facts.h"
 #include "core/render/renderer.h"
 
 namespace aerosol::render {
@@ -36,6 +37,7 @@ bool isCalledFor(const Preparation& state, double pixels) {
   const scene::Integrator& integrator = state.description.integrator;
   if (integrator.roulette == scene::Roulette::throughput || integrator.type != "path") return false;
   if (hasSideEffects(*state.scene)) return false;
+  if (mostStepsAcross(*state.scene) > endlessSteps) return false;  // The pilot would not come to an end, either.
   if (integrator.roulette == scene::Roulette::contribution) return true;
   const bool plays = integrator.rrDepth < std::numeric_limits<int>::max();
   const bool isLong = integrator.maxDepth < 0 || integrator.maxDepth > shortDepth;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/render/medium_facts.h"
+
 namespace aerosol::render {
 
 namespace {
@@ -103,8 +105,8 @@ AovDeep deepLayout(const Preparation& state, int slices) {
       deep.depths.push_back(static_cast<float>(media.front + (media.back - media.front) * i / slices));
     if (media.back < all.back) addGrowing(deep.depths, media.back, all.back, surfaceSlices);
   }
-  deep.isChromatic = std::any_of(state.scene->media.begin(), state.scene->media.end(), [](const volume::Medium& m) {
-    return !m.constant || m.constant->sigmaT.r != m.constant->sigmaT.g || m.constant->sigmaT.g != m.constant->sigmaT.b;
+  deep.isChromatic = std::ranges::any_of(state.scene->media, [&](const volume::Medium& medium) {
+    return factsOf(*state.scene, medium).isColoured != Answer::no;
   });
   return deep;
 }
