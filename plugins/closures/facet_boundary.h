@@ -82,7 +82,9 @@ class FacetBoundary {
     const float rest = reflects ? u.choice / reflection : (u.choice - reflection) / (1 - reflection);
     if (!isSmooth() && !facets_.isSingle()) light = afterSecond(*light, reflects, rest);
     const bool stays = light->z > 0;
-    if (stays != reflects && (isSmooth() || facets_.isSingle())) return {};
+    // What crosses where one side scatters nothing is absorbed.
+    const bool isAbsorbed = isSmooth() || facets_.isSingle() || isBlack(tintOfBoth());
+    if (stays != reflects && isAbsorbed) return {};
     ClosureSample sample;
     sample.direction = normalize(frame_.toWorld(*light));
     if (!isOnItsSide(point_, sample.direction, stays)) return {};
@@ -95,7 +97,7 @@ class FacetBoundary {
       return sample;
     }
     const Scattered found = scattered(sample.direction);
-    if (!(found.pdf > 0) || isBlack(found.value)) return {};
+    if (!(found.pdf > 0)) return {};
     sample.pdf = found.pdf;
     sample.weight = found.value / found.pdf;
     return sample;
@@ -121,6 +123,8 @@ class FacetBoundary {
   }
   Color reflected(float cosine) const { return model_.reflectionTint * curve(cosine); }
   Color transmitted(float cosine) const { return model_.transmissionTint * (Color(1) - curve(cosine)); }
+
+  Color tintOfBoth() const { return model_.reflectionTint * model_.transmissionTint; }
 
   float reflectionChance(float cosine) const {
     const Color part = curve(cosine);
@@ -161,7 +165,7 @@ class FacetBoundary {
       stays ? addReflected(sum, light, 1, tint * seen) : addRefracted(sum, light, 1, tint * seen);
       return sum;
     }
-    const Color both = model_.reflectionTint * model_.transmissionTint;
+    const Color both = tintOfBoth();
     const Vector<Local> over(light.x, light.y, -light.z);
     const float squaredEta = model_.eta * model_.eta;
     if (stays) {
@@ -179,7 +183,8 @@ class FacetBoundary {
 
   /// The part `share` of what facets reflect to `light`, on whichever side that is.
   void addReflected(Scattered& sum, Vector<Local> light, float share, Color factor) const {
-    const std::optional<Vector<Local>> h = share > 0 ? facetBetween(viewer_ + light) : std::nullopt;
+    const bool isThere = share > 0 && !isBlack(factor);
+    const std::optional<Vector<Local>> h = isThere ? facetBetween(viewer_ + light) : std::nullopt;
     if (!h || !(dot(viewer_, *h) > 0)) return;
     const float vh = dot(viewer_, *h);
     sum.value += factor * curve(vh) * (share * facets_.density(*h) * facets_.seen(viewer_) / (4 * viewer_.z));
@@ -188,7 +193,8 @@ class FacetBoundary {
   /// Of what they refract. Facets seen from behind: nothing (Walter et al., the factor χ).
   void addRefracted(Scattered& sum, Vector<Local> light, float share, Color factor) const {
     const float eta = model_.eta;
-    const std::optional<Vector<Local>> h = share > 0 ? facetBetween(viewer_ + light * eta) : std::nullopt;
+    const bool isThere = share > 0 && !isBlack(factor);
+    const std::optional<Vector<Local>> h = isThere ? facetBetween(viewer_ + light * eta) : std::nullopt;
     if (!h) return;
     const float vh = dot(viewer_, *h), lh = dot(light, *h), way = vh + eta * lh;
     if (!(vh > 0) || !(lh < 0)) return;
