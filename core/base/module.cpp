@@ -16,7 +16,7 @@ std::string lastError() {
 }  // namespace
 
 Result<Module> Module::open(const std::filesystem::path& file) {
-  void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL | RTLD_NODELETE);
+  void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!handle) {
     return Diagnostic{.location = {.file = file.string()}, .message = "cannot load this module: " + lastError()};
   }

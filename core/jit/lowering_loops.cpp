@@ -100,7 +100,8 @@ void Lowering::emitLoopBody(const Instruction& instruction, llvm::BasicBlock* ne
 bool Lowering::isUnrolled(const Instruction& instruction) const {
   if (domain_.widensAtBudget() || hasLoop(instruction.bodies[1])) return false;
   const auto rounds = countedRounds(program_, *codes_.back(), instruction, unrolledRounds);
-  return rounds && *rounds * cost_.of(instruction.bodies[1]) <= unrolledCost;
+  // Of a loop that is never entered the optimiser would count the rounds until the counter wraps around.
+  return rounds && *rounds > 0 && *rounds * cost_.of(instruction.bodies[1]) <= unrolledCost;
 }
 
 /// Asks for the loop that ends in this block to be written out.

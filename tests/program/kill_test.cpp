@@ -96,17 +96,22 @@ TEST_P(KilledBakes, LeaveWholeFilesOrNone) {
   for (int time = 0; time < 8; ++time) {
     if (time == 4) run(with("2"));
     killed += kill(with("4"), whole);
+    bool isTooLate = true;
     for (std::size_t i = 0; i < bake.files.size(); ++i) {
       const bool isThere = folder_.has(bake.files[i]);
       none += !isThere;
       if (!isThere) {
         EXPECT_LT(time, 4) << "an older file is lost";
+        isTooLate = false;
         continue;
       }
       const std::string found = voxels(bake.files[i]);
       old += found == before[i];
+      isTooLate = isTooLate && found == after[i];
       EXPECT_TRUE(found == after[i] || found == before[i]) << bake.files[i] << " is half written";
     }
+    // The machine was slower when the time was taken.
+    if (isTooLate) whole = std::max(whole / 2, milliseconds(2));
     if (leavesNothing()) EXPECT_THAT(filesBut(bake.files), testing::ElementsAre("boil.osl"));
   }
   EXPECT_GE(killed, 2);

@@ -21,7 +21,7 @@ constexpr std::pair<std::string_view, double> costs[] = {{"depth-of-field", 30},
                                                          {"volume-emission", 30},    {"chromatic-extinction", 5},
                                                          {"level-of-detail", 30},    {"volume-looks", 10},
                                                          {"russian-roulette", 10},   {"contribution-roulette", 60},
-                                                         {"displacement", 0}};
+                                                         {"clamped-indirect", 5},    {"displacement", 0}};
 
 }  // namespace
 

@@ -50,7 +50,7 @@ TEST(CompileArguments, Dependencies) {
 TEST(CompileArguments, RefusesWhatCannotBe) {
   EXPECT_THAT(refusal({}), HasSubstr("no shader is given"));
   EXPECT_THAT(refusal({"-o", "x.oso", "a.osl", "b.osl"}), HasSubstr("several shaders"));
-  EXPECT_THAT(refusal({"-Wall", "a.osl"}), HasSubstr("unknown option '-Wall'"));
+  EXPECT_THAT(refusal({"-Wnone", "a.osl"}), HasSubstr("unknown option '-Wnone'"));
   EXPECT_THAT(refusal({"--width", "3", "a.osl"}), HasSubstr("'3' is not one of 16, 8, 4, 1"));
   EXPECT_THAT(parsed({"-O2", "-d", "a.osl"}).ignored, ElementsAre("-O2", "-d"));
 }
