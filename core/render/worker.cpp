@@ -33,13 +33,15 @@ volume::Task<Radiance> traceRecorded(PathContext& path, const Integrator& integr
 /// Paths ahead of the one that runs whose frames are fetched: several hundred frames do not fit the nearest cache.
 constexpr std::size_t prefetchDistance = 3;
 
-/// Where nothing is asked along rays, paths wait for few shaders at a time: as many as keep their frames near, which
-/// takes a sixth less time (tests/bench/tables/mesh_rays.cpp).
-constexpr int pathsWithoutMedia = 128;
+/// Paths wait for few shaders at a time where there are few: as many as keep their frames near, which takes a sixth
+/// less time on a mesh (tests/bench/tables/mesh_rays.cpp) and a tenth less in a cloud. Where many media are asked, more
+/// paths have to wait for the batches of each to be worth a call.
+constexpr std::size_t pathsOfMedium = 128;
 
 int pathsInFlight(const SharedWork& shared) {
-  const int wanted = std::max(1, shared.options.pathsInFlight);
-  return shared.scene.media.empty() ? std::min(wanted, pathsWithoutMedia) : wanted;
+  const std::size_t few = pathsOfMedium * std::max<std::size_t>(1, shared.scene.media.size());
+  const auto wanted = static_cast<std::size_t>(std::max(1, shared.options.pathsInFlight));
+  return static_cast<int>(std::min(wanted, few));
 }
 
 }  // namespace
