@@ -35,11 +35,11 @@ constexpr std::size_t prefetchDistance = 3;
 
 /// Paths wait for few shaders at a time where there are few: as many as keep their frames near, which takes a sixth
 /// less time on a mesh (tests/bench/tables/mesh_rays.cpp) and a tenth less in a cloud. Where many media are asked, more
-/// paths have to wait for the batches of each to be worth a call.
-constexpr std::size_t pathsOfMedium = 128;
+/// paths have to wait for the batches of each to be worth a call, and for lanes to be full.
+constexpr std::size_t pathsWithoutMedia = 128, pathsOfMedium = 256;
 
 int pathsInFlight(const SharedWork& shared) {
-  const std::size_t few = pathsOfMedium * std::max<std::size_t>(1, shared.scene.media.size());
+  const std::size_t few = std::max(pathsWithoutMedia, pathsOfMedium * shared.scene.media.size());
   const auto wanted = static_cast<std::size_t>(std::max(1, shared.options.pathsInFlight));
   return static_cast<int>(std::min(wanted, few));
 }
