@@ -141,8 +141,8 @@ class Binder {
   }
   VariableId parameterVariable(std::uint32_t parameter) { return program().parameters[parameter].variable; }
 
-  /// The value of one file, or of two in proportion.
-  VariableId mixed(const GridRead& read, bool isVector, const Type& type) {
+  /// The value of one file, or of two in proportion. `type` is a copy: lookups add variables, which moves theirs.
+  VariableId mixed(const GridRead& read, bool isVector, Type type) {
     const auto of = [&](const GridRead::Files& files) {
       const VariableId value = lookUp(parameterVariable(isVector ? files.vector : files.scalar), read.name,
                                       isVector ? types::color : types::floating);

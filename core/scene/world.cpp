@@ -45,6 +45,8 @@ class WorldReader {
     checkAttributes(world, {});
     startSensor(world);
     integrator_ = object("integrator", "path", at(world));
+    // The rule of that program: of overlapping media the lower priority is there.
+    set(integrator_, "lower_priority_wins", "boolean", true, at(world));
     for (const XmlElement& child : world.children) readChild(child);
     tree_.scene.children.insert(tree_.scene.children.begin(), {std::move(sensor_), std::move(integrator_)});
     return std::move(tree_);

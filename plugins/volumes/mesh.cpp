@@ -23,6 +23,14 @@ Result<accel::TriangleMesh> load(const std::filesystem::path& file, Diagnostics&
 
 Result<std::unique_ptr<const accel::VolumeShape>> make(const VolumeArguments& arguments) {
   const std::filesystem::path file = arguments.file("filename");
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    return Diagnostic{Severity::error,
+                      arguments.volume.origin.of("filename"),
+                      fmt::format("there is no file '{}'", file.string()),
+                      {},
+                      {}};
+  }
   Result<accel::TriangleMesh> mesh = load(file, arguments.warnings);
   if (!mesh) return mesh.errors();
   const accel::MeshTopology topology = accel::examine(*mesh);

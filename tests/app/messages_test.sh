@@ -33,3 +33,12 @@ said err "tight.xml:14:5: warning: the extinction of 'fog' was above its bound o
 grep -qE 'density_bound" value="(3\.[0-9]+|4)"' err || fail "no corrected bound"
 expect 0 render "$input/fog.xml" --quiet --distance null --spp 16
 silent err
+
+cat >missing.xml <<'XML'
+<scene version="3.0.0">
+  <sensor type="perspective"/>
+  <volume type="mesh"><string name="filename" value="dragon.ply"/><medium type="homogeneous"/></volume>
+</scene>
+XML
+expect 1 render missing.xml --quiet
+said err "missing.xml:3:54: error: there is no file 'dragon.ply'"

@@ -128,13 +128,12 @@ AEROSOL_INLINE F step(F edge, F x) {
   return select(less(x, edge), F(0.0f), F(1.0f));
 }
 
-/// 0 to 1 between low and high by 3 t^2 - 2 t^3; step(high, x) where high <= low.
+/// 0 to 1 between low and high by 3 t^2 - 2 t^3; step(low, x) where high <= low, as what lies below low comes first.
 template <FloatLanes F>
 AEROSOL_INLINE F smoothstep(F low, F high, F x) {
   const F t = safeDivide(x - low, high - low);
   const F inside = fma(t, F(-2.0f), F(3.0f)) * (t * t);
-  const F lower = select(less(x, low), F(0.0f), inside);
-  return select(greaterEqual(x, high), F(1.0f), select(lessEqual(high, low), F(0.0f), lower));
+  return select(less(x, low), F(0.0f), select(greaterEqual(x, high), F(1.0f), inside));
 }
 
 /// 0 to 1 between low and high by a line; step(low, x) where they are equal.

@@ -175,7 +175,8 @@ TEST(RuntimeMath, stepsAndMixes) {
   EXPECT_EQ(rt::smoothstep(1.0f, 3.0f, 0.5f), 0.0f);
   EXPECT_EQ(rt::smoothstep(1.0f, 3.0f, 4.0f), 1.0f);
   EXPECT_EQ(rt::smoothstep(3.0f, 1.0f, 0.5f), 0.0f);
-  EXPECT_EQ(rt::smoothstep(3.0f, 1.0f, 1.0f), 1.0f);
+  EXPECT_EQ(rt::smoothstep(3.0f, 1.0f, 2.0f), 0.0f);
+  EXPECT_EQ(rt::smoothstep(3.0f, 1.0f, 3.0f), 1.0f);
   EXPECT_EQ(rt::linearstep(1.0f, 3.0f, 1.5f), 0.25f);
   EXPECT_EQ(rt::linearstep(2.0f, 2.0f, 1.9f), 0.0f);
   EXPECT_EQ(rt::linearstep(2.0f, 2.0f, 2.0f), 1.0f);

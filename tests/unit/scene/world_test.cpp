@@ -35,6 +35,7 @@ TEST(World, HasTheDefaultsOfTestrender) {
   EXPECT_EQ(scene.sensor.fieldOfView().axis, FovAxis::y);
   EXPECT_FLOAT_EQ(scene.sensor.fieldOfView().degrees, 90);
   EXPECT_EQ(scene.integrator.maxDepth, -1);
+  EXPECT_TRUE(scene.integrator.lowerPriorityWins);
   // Looks along -z from the origin.
   EXPECT_DOUBLE_EQ(scene.sensor.toWorld.matrix()[2][2], -1);
 }
