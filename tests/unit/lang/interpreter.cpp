@@ -23,8 +23,9 @@ constexpr int loopBudget = 100000;
 float safe(double value) { return static_cast<float>(value); }
 
 float hermite(float low, float high, float x) {
-  if (high <= low) return x < high ? 0.0f : 1.0f;
-  const float t = std::fmin(std::fmax((x - low) / (high - low), 0.0f), 1.0f);
+  if (x < low) return 0.0f;
+  if (x >= high) return 1.0f;
+  const float t = (x - low) / (high - low);
   return t * t * (3 - 2 * t);
 }
 
