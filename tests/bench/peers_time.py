@@ -34,8 +34,9 @@ SENSOR = """<sensor type="perspective"><float name="fov" value="{fov}"/>
 SUN = """<emitter type="constant"><rgb name="radiance" value="0.3, 0.4, 0.6"/></emitter>
   <emitter type="directional"><vector name="direction" x="-0.6" y="-1" z="0.3"/>
     <rgb name="irradiance" value="4, 3.7, 3.2"/></emitter>"""
+# Below the boxes: of two faces in one place either renderer may meet the other one first.
 GROUND = """<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/><scale value="6"/>
-    <translate y="-1"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="0.5, 0.45, 0.4"/></bsdf></shape>"""
+    <translate y="-1.02"/></transform><bsdf type="diffuse"><rgb name="reflectance" value="0.5, 0.45, 0.4"/></bsdf></shape>"""
 
 
 def box(medium, scale="1", turn="0"):
