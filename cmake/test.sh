@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# test.sh: installs what is missing, builds everything and runs all tests; then the unit tests again with sanitizers and
-# without optimisation, and all hard cases with sanitizers. `test.sh PRESET…` runs only those (release, sanitize, debug-O0,
-# tsan). Fails when any test fails.
+# test.sh: installs what is missing, builds everything and runs all tests; then the unit tests, fuzz targets and hard cases
+# again with sanitizers. `test.sh PRESET…` runs only those (release, sanitize, debug-O0, tsan), `test.sh all` these four: the
+# unit tests without optimisation as well, and those that start threads with ThreadSanitizer. Fails when any test fails.
 set -euo pipefail
 
 root=$(cd "${BASH_SOURCE[0]%/*}/.." && pwd)
 cd "$root"
 presets=("$@")
-[ ${#presets[@]} -gt 0 ] || presets=(release sanitize debug-O0 tsan)
+[ ${#presets[@]} -gt 0 ] || presets=(release sanitize)
+[ "${presets[*]}" != all ] || presets=(release sanitize debug-O0 tsan)
 jobs=$(nproc)
 failed=()
 summaries=()

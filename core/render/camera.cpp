@@ -61,7 +61,7 @@ shading::CameraProjection Camera::projection() const {
   return result;
 }
 
-Camera::Unplaced Camera::unplacedRay(const CameraSample& sample) const {
+[[gnu::always_inline]] inline Camera::Unplaced Camera::unplacedRay(const CameraSample& sample) const {
   const double sx = (1 - 2 * (static_cast<double>(sample.x) + shiftX_) / width_) * tangentX_;
   const double sy = (1 - 2 * (static_cast<double>(sample.y) + shiftY_) / height_) * tangentY_;
   Unplaced ray;

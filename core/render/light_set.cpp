@@ -129,6 +129,7 @@ float LightSet::probability(LightId id, Point<World> from, float splitThreshold)
   }
   const auto found = std::find(single_.begin(), single_.end(), id.light);
   if (found == single_.end()) return 0;
+  if (candidateCount() == 1) return 1;
   return static_cast<float>(probabilityOf(static_cast<std::size_t>(found - single_.begin()), from));
 }
 

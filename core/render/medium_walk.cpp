@@ -23,8 +23,22 @@ using volume::MediumSpan;
 using volume::Segment;
 using volume::Task;
 
+namespace {
+
+/// The ray that was traced last has no medium on its way: its spans are known at once.
+bool meetsNothing(const PathContext& path, const Medium* boundaryMedium) {
+  return !boundaryMedium && path.spans.empty() &&
+         path.scene().geometry->overlapDesign() != accel::OverlapDesign::partition;
+}
+
+}  // namespace
+
 void findSegments(PathContext& path, const Ray<World>& ray, double t0, double t1, const Medium* boundaryMedium,
                   const volume::MediumStack& media, const LinkedLights* links) {
+  if (meetsNothing(path, boundaryMedium)) {
+    path.segments.beginEmpty();
+    return;
+  }
   const PhaseScope phase(path.statistics().accel.phase, Phase::intervals);
   auto& boundary = path.mediumSpans.boundary();
   boundary.clear();
@@ -297,6 +311,7 @@ Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Mediu
                                   const volume::MediumStack& media) {
   path.wentStraight = false;
   if (path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel)) co_return Color();
+  if (path.interfaces.empty() && meetsNothing(path, boundaryMedium)) co_return Color(1.0f);
   path.setRayBeside(ray);
   path.setRayTypes(shading::ray::shadow);
   if (path.scene().shadowsPass) co_await askStraightSurfaces(path, ray);

@@ -19,6 +19,7 @@ void SegmentStream::begin(SpanSource& source) {
 }
 
 bool SegmentStream::next(Segment& segment) {
+  if (isEmpty()) return false;
   std::erase_if(active_, [&](const MediumSpan& span) { return !(span.t1 > t_); });
   do {
     if (active_.empty()) {

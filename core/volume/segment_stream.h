@@ -24,6 +24,10 @@ class SegmentStream {
  public:
   /// `source` stays until the last segment was taken.
   void begin(SpanSource& source);
+  /// Of a ray without any span.
+  void beginEmpty() { source_ = nullptr; }
+  /// There has been no span at all. False does not say that there is one.
+  bool isEmpty() const { return source_ == nullptr; }
   /// False behind the last segment. The segment's media are valid until the next call.
   bool next(Segment& segment);
 

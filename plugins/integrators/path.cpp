@@ -44,6 +44,7 @@ void beginVertex(PathContext& path, int length) {
 struct PathState {
   Ray<World> ray;
   Color throughput{1.0f};
+  Color worth{1.0f};  ///< By what roulette is played: the throughput before a direction out of a medium was chosen.
   DirectionRecord direction;                  ///< How the ray's direction was found.
   const Medium* boundaryMedium = nullptr;     ///< Surface-defined medium around the ray.
   std::optional<accel::SurfaceHit> touching;  ///< A surface right where the ray begins, to be met first.
@@ -78,7 +79,9 @@ Color limited(PathContext& path, const PathState& state, Color light, int more) 
   return light * (settings.clampIndirect / value);
 }
 
-void continueFrom(PathState& state, Point<World> origin, Vector<World> direction, Color weight) {
+/// `worth` is the part of the weight that roulette is to see.
+void continueFrom(PathState& state, Point<World> origin, Vector<World> direction, Color weight, Color worth) {
+  state.worth = state.throughput * worth;
   state.throughput *= weight;
   state.ray.origin = origin;
   state.ray.direction = direction;
@@ -199,7 +202,7 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
     const RayFootprint& before = path.footprint();
     path.setFootprint(footprintScattered(before, vertex.position(), next.direction, next.pdf, next.isDelta));
   }
-  continueFrom(state, vertex.position(), next.direction, Color(next.weight));
+  continueFrom(state, vertex.position(), next.direction, Color(next.weight), Color(1.0f));
   co_return true;
 }
 
@@ -281,7 +284,7 @@ Task<Step> leaveBody(PathContext& path, PathState& state, Radiance& radiance, co
     const RayFootprint& before = path.footprint();
     path.setFootprint(footprintScattered(before, way->hit.point, leaving->direction, leaving->pdf, false));
   }
-  continueFrom(state, way->hit.originTowards(leaving->direction), leaving->direction, leaving->weight);
+  continueFrom(state, way->hit.originTowards(leaving->direction), leaving->direction, leaving->weight, leaving->weight);
   co_return Step::scatters;
 }
 
@@ -388,7 +391,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     path.setFootprint(
         footprintBehind(path.footprint(), *scene.geometry, hit, *next, state.ray.time, scene.largestFootprint));
   }
-  continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight);
+  continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight, next->weight);
   state.scatterings -= next->isPassing;
   if (crosses && nesting.isInterface) {
     goBehind(path, state, nesting);
@@ -399,22 +402,27 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   co_return Step::scatters;
 }
 
+/// What pilots keep of a vertex.
+[[gnu::noinline]] void noteVertex(PilotPath& pilot, const PathState& state, const Radiance& radiance) {
+  pilot.vertices.push_back({state.ray.origin, average(abs(state.worth)), average(radiance.color)});
+}
+
 /// Russian roulette. False when the path ends. By throughput survival stays close to 1 where nothing is lost: in a
-/// cloud of albedo 1 each chance to end would raise the weight of the survivors, bounce after bounce.
+/// cloud of albedo 1 each chance to end would raise the weight of the survivors, bounce after bounce. The weight of a
+/// direction out of a medium is left out until the next vertex: directions chosen towards lamps have small ones, and
+/// bring more in exchange.
 bool survivesRoulette(PathContext& path, PathState& state, const Radiance& radiance) {
   if (isBlack(state.throughput)) return false;
   const PreparedScene& scene = path.scene();
-  if (path.pilot) {
-    path.pilot->vertices.push_back({state.ray.origin, average(abs(state.throughput)), average(radiance.color)});
-  }
+  if (path.pilot) noteVertex(*path.pilot, state, radiance);
   const bool isLong = state.length > scene.path.rrDepth;
   float survival = 1;
   if (hasOptionalEffects && !scene.contributions.isEmpty()) {
     path.statistics().work.add(Work::contribution);
-    survival = scene.contributions.survival(state.ray.origin, state.throughput, path.id().x, path.id().y);
+    survival = scene.contributions.survival(state.ray.origin, state.worth, path.id().x, path.id().y);
     if (isLong) survival = std::min(survival, 0.999f);
   } else if (isLong) {
-    survival = std::min(maximum(abs(state.throughput)), 0.999f);
+    survival = std::min(maximum(abs(state.worth)), 0.999f);
   }
   if (survival >= 1) return true;
   path.statistics().work.add(Work::roulette);
@@ -469,8 +477,11 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     if (lights.isTabulated()) beginTable(path, lights, given);
     // Behind a boundary, or a face that was touched, the ray's own numbers are used up.
     const auto numbers = passed || isTouching ? DistanceNumbers::hashed : DistanceNumbers::stratified;
-    volume::DistanceSample event =
-        co_await sampleDistance(path, state.ray, state.throughput, lit || given.lights ? &given : nullptr, numbers);
+    volume::DistanceSample event;
+    if (!path.segments.isEmpty()) {
+      event =
+          co_await sampleDistance(path, state.ray, state.throughput, lit || given.lights ? &given : nullptr, numbers);
+    }
     if (given.lights) lit = chooseFromTable(path, lights, given, event);
     path.statistics().raysIntoLights += lit && lit->isMet;
     if (lit && !given.lights) path.statistics().work.add(Work::chosenDistance);

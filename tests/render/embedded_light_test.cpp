@@ -361,5 +361,24 @@ TEST(LampsInMediaVariance, IsSeveralTimesLessWithDirectionsTowardsThem) {
   EXPECT_GT(ratio, 2);
 }
 
+/// Roulette does not take the paths that were sent towards the lamp, though each of these weighs little.
+TEST(LampsInMediaVariance, IsNotBroughtBackByRoulette) {
+  LampInFog lamp;
+  lamp.lampRadius = 0.001;
+  lamp.intensity = 5e5;
+  const std::string depth = R"(<integer name="max_depth" value="16"/><boolean name="hide_emitters" value="true"/>)";
+  const TestSensor wholeBall{.fov = 24, .width = 16, .height = 16};
+  const TestScene whole = loadScene(depth + R"(<integer name="rr_depth" value="100"/>)", wholeBall, lamp.xml(""));
+  const double variance = meanVariance(*whole.render(1024));
+  for (const auto& [roulette, most] : {std::pair{"throughput", 2.5}, {"contribution", 1.4}}) {
+    const TestScene played = loadScene(
+        depth + fmt::format(R"(<integer name="rr_depth" value="1"/><string name="roulette" value="{}"/>)", roulette),
+        wholeBall, lamp.xml(""));
+    const double ratio = meanVariance(*played.render(1024)) / variance;
+    RecordProperty(roulette, fmt::format("{:.2f}", ratio));
+    EXPECT_LT(ratio, most) << roulette;
+  }
+}
+
 }  // namespace
 }  // namespace aerosol::test
