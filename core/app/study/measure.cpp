@@ -212,7 +212,7 @@ double costOfHalving(const StudyCase& study) {
     return rest > 0 ? last.variance.value / rest : std::numeric_limits<double>::infinity();
   }
   const double rate = convergenceRate(study);
-  return rate > 0.05 ? std::pow(2.0, 1 / rate) : std::numeric_limits<double>::infinity();
+  return rate > 0.05 ? std::pow(2.0, 1 / rate) : 0;
 }
 
 double equalTime(const StudyResults& results) {

@@ -34,8 +34,8 @@ StudyRound measureRound(std::span<const StudyImage> repetitions, const StudyRefe
 double errorAtTime(const StudyCase& study, double seconds);
 
 /// By which factor the time grows when the error is to be halved: noise falls at the rate of the last rounds (see
-/// convergenceRate), bias that was found stays. Infinite where bias alone is more than half of the error, 0 where there
-/// are too few rounds to tell.
+/// convergenceRate), bias that was found stays. Infinite where bias alone is more than half of the error, 0 where it
+/// cannot be told: there are too few rounds, or the error rose between them without bias, by rare bright samples.
 double costOfHalving(const StudyCase& study);
 
 /// By which power of time the error falls, from the last rounds: 0.5 is what independent samples do. 0 where there are

@@ -20,6 +20,12 @@ constexpr double fewestPixels = 1024;
 /// Paths that get no longer gain nothing.
 constexpr int shortDepth = 4;
 
+/// What a shader says by itself. What is reported of it (a loop over its budget, say) is no message.
+bool isMessage(const jit::MessageSite& site) {
+  return site.kind == AEROSOL_MESSAGE_PRINT || site.kind == AEROSOL_MESSAGE_WARNING ||
+         site.kind == AEROSOL_MESSAGE_ERROR || site.kind == AEROSOL_MESSAGE_FILE;
+}
+
 /// Shaders that do something beside what they give would do it twice.
 bool hasSideEffects(const PreparedScene& scene) {
   for (const shading::Family& family : scene.shading.families()) {
@@ -27,7 +33,7 @@ bool hasSideEffects(const PreparedScene& scene) {
       if (use.symbol.find("pointcloud_write") != std::string::npos) return true;
     }
     for (const auto& kernel : family.kernels) {
-      if (kernel && !kernel->interface().sites.empty()) return true;
+      if (kernel && std::ranges::any_of(kernel->interface().sites, isMessage)) return true;
     }
   }
   return false;

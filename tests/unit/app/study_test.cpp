@@ -191,6 +191,9 @@ TEST(StudyMeasure, KnowsWhatHalvingCosts) {
   EXPECT_FALSE(std::isfinite(costOfHalving(falling("stuck", 0.4, 0.1))));
   biased.rounds.resize(1);
   EXPECT_EQ(costOfHalving(biased), 0);
+  StudyCase risen = falling("a firefly in the last round", 0.4, 0);
+  risen.rounds.back().variance = risen.rounds.back().squaredError = {1, 0.9};
+  EXPECT_EQ(costOfHalving(risen), 0);
 }
 
 /// A method of which one sample takes longer than all rounds of another one is compared in its own time.
