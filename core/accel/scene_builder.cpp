@@ -18,6 +18,10 @@ Diagnostic makeError(std::string message, std::vector<std::string> notes = {}) {
   return {Severity::error, {}, std::move(message), {}, std::move(notes)};
 }
 
+Diagnostic tooFar(std::string message) {
+  return makeError(std::move(message), {"squares of lengths have to fit into floats: write lengths in a larger unit"});
+}
+
 bool allFinite(const Matrix4& m) {
   return std::ranges::all_of(
       m, [](const auto& row) { return std::ranges::all_of(row, [](double x) { return std::isfinite(x); }); });
@@ -283,7 +287,7 @@ namespace {
 Result<TriangleMesh> readyMesh(TriangleMesh mesh) {
   if (auto defect = findDefect(mesh)) return makeError(*defect);
   for (const auto& p : mesh.positions) {
-    if (!isBounded({p, p})) return makeError("a position of the mesh is beyond 1e18");
+    if (!isBounded({p, p})) return tooFar("a position of the mesh is beyond 1e18");
   }
   resolveNormals(mesh);
   mesh.positions.reserve(mesh.positions.size() + 1);
@@ -317,7 +321,7 @@ Result<ObjectId> SceneBuilder::addInstance(SharedMeshId mesh, const Transform<Wo
   const auto object = static_cast<ObjectId>(data_->surfaces.size());
   auto instance = std::make_unique<MeshInstance>(MeshInstance{data_->shared[mesh].get(), object, passThrough, toWorld});
   if (!instance->shared->bounds.isEmpty() && !isBounded(instance->worldBounds()))
-    return makeError("the shape reaches beyond 1e18");
+    return tooFar("the shape reaches beyond 1e18");
   data_->surfaces.push_back({nullptr, nullptr, std::move(instance)});
   return object;
 }
@@ -325,7 +329,7 @@ Result<ObjectId> SceneBuilder::addInstance(SharedMeshId mesh, const Transform<Wo
 Result<ObjectId> SceneBuilder::addCurves(CurveSet curves, bool passThrough) {
   const auto object = static_cast<ObjectId>(data_->surfaces.size());
   auto surface = std::make_unique<CurveSurface>(CurveSurface{object, passThrough, std::move(curves)});
-  if (!isBounded(surface->worldBounds())) return makeError("a fibre reaches beyond 1e18");
+  if (!isBounded(surface->worldBounds())) return tooFar("a fibre reaches beyond 1e18");
   data_->surfaces.push_back({nullptr, nullptr, nullptr, std::move(surface)});
   return object;
 }
@@ -344,7 +348,7 @@ namespace {
 
 Result<ObjectId> addAnalytic(SceneData& data, AnalyticSurface surface) {
   if (!isUsable(surface.toWorld)) return makeError("the transform cannot be inverted or is not finite");
-  if (!isBounded(surface.worldBounds())) return makeError("the shape reaches beyond 1e18");
+  if (!isBounded(surface.worldBounds())) return tooFar("the shape reaches beyond 1e18");
   surface.object = static_cast<ObjectId>(data.surfaces.size());
   data.surfaces.push_back({nullptr, std::make_unique<AnalyticSurface>(surface)});
   return surface.object;
@@ -433,7 +437,7 @@ Result<Scene> SceneBuilder::build(const SceneOptions& options) {
     if (!surface.motion) continue;
     if (options.shutter.isInstant()) return makeError("nothing moves while a shutter is open for no time");
     for (const Box<World>& step : surface.motion->steps) {
-      if (!isBounded(step)) return makeError("a shape moves beyond 1e18");
+      if (!isBounded(step)) return tooFar("a shape moves beyond 1e18");
     }
   }
   indexPrimitives(*data);

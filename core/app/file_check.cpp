@@ -7,6 +7,11 @@
 #include <filesystem>
 #include <set>
 #include <string_view>
+#include <tuple>
+
+#include "core/lang/voxel_reads.h"
+#include "core/shading/instance_values.h"
+#include "core/shading/voxel_functions.h"
 
 namespace aerosol::app {
 
@@ -37,9 +42,13 @@ std::string shorten(const std::string& problem) {
 class FileCheck {
  public:
   FileCheck(const scene::SceneDescription& description, const render::PreparedScene& scene)
-      : description_(description), services_(*scene.services) {}
+      : description_(description), scene_(scene), services_(*scene.services) {}
 
   Diagnostics run() {
+    for (std::size_t i = 0; i < scene_.media.size(); ++i)
+      checkVoxels(scene_.mediumShaders[i], scene_.mediumLocations[i]);
+    for (std::size_t i = 0; i < scene_.objects.size(); ++i)
+      checkVoxels(scene_.objects[i].material, description_.shapes[i].origin.location);
     for (const scene::ShaderUse& use : description_.materials) check(use);
     for (const scene::Medium& medium : description_.media) check(medium.shader);
     for (const scene::Displacement& displacement : description_.displacements) check(displacement.shader);
@@ -48,6 +57,50 @@ class FileCheck {
   }
 
  private:
+  /// What the shader reads wherever it runs has to be there: nobody wants the picture without.
+  void checkVoxels(shading::InstanceRef shader, const SourceLocation& place) {
+    const shading::Family& family = scene_.shading.family(shader);
+    const auto values = shading::valuesOf(*family.program, family.instances[shader.index]);
+    for (const lang::VoxelRead& read : lang::findVoxelReads(*family.program, values)) {
+      if (!services_.isVoxelFile(read.file) || !toldReads_.emplace(read.file, read.grid, read.number).second) continue;
+      std::string problem;
+      const VoxelFile* const file = services_.voxels(read.file, problem);
+      const SourceLocation& at = family.program->locations[read.location];
+      const std::string call =
+          fmt::format("shader '{}' reads it at {}:{}:{}", family.program->name, at.file, at.line, at.column);
+      if (!file) {
+        const std::string cure = isThere(read.file) ? "write the file anew" : missing();
+        if (told_.insert(read.file).second)
+          found_.error(placeOf(read.file, place), fmt::format("\"{}\": {}", read.file, shorten(problem)), {call, cure});
+        continue;
+      }
+      TexturePoint point;
+      point.subimageName = read.grid;
+      point.subimage = read.number;
+      if (shading::chooseVoxelGrid(*file, read.file, point, problem)) continue;
+      found_.error(placeOf(read.grid.empty() ? read.file : read.grid, place), problem,
+                   {call, "'aerosol info' lists the grids of a file"});
+    }
+  }
+
+  /// Where the scene gives this text to a shader; `place` where it does not, because it is a default.
+  SourceLocation placeOf(const std::string& text, const SourceLocation& place) const {
+    const auto find = [&](const scene::ShaderUse& use) -> const SourceLocation* {
+      for (const scene::ShaderParameter& parameter : use.parameters) {
+        const auto* const value = std::get_if<std::string>(&parameter.value);
+        if (value && *value == text) return &parameter.valueLocation;
+      }
+      return nullptr;
+    };
+    for (const scene::Medium& medium : description_.media)
+      if (const SourceLocation* at = find(medium.shader)) return *at;
+    for (const auto* uses : {&description_.materials, &description_.layers}) {
+      for (const scene::ShaderUse& use : *uses)
+        if (const SourceLocation* at = find(use)) return *at;
+    }
+    return place;
+  }
+
   void check(const scene::ShaderUse& use) {
     for (const scene::ShaderParameter& parameter : use.parameters) {
       const auto* const name = std::get_if<std::string>(&parameter.value);
@@ -56,8 +109,7 @@ class FileCheck {
       if (problem.empty()) continue;
       found_.warning(parameter.valueLocation,
                      fmt::format("\"{}\" of shader '{}' cannot be read: {}", *name, use.name, problem),
-                     {isThere(*name) ? "write the file anew, in a format that is known"
-                                     : "correct the name, or put the file where it is looked for: " + folders()});
+                     {isThere(*name) ? "write the file anew, in a format that is known" : missing()});
     }
   }
 
@@ -88,17 +140,20 @@ class FileCheck {
                                [&](const fs::path& folder) { return fs::exists(folder / name, ignored); });
   }
 
-  std::string folders() const {
-    std::string text;
+  std::string missing() const {
+    std::string text = "correct the name, or put the file where it is looked for: ";
+    const std::size_t start = text.size();
     for (const fs::path& folder : description_.searchPath) {
-      text += fmt::format("{}'{}'", text.empty() ? "" : ", ", folder.empty() ? "." : folder.string());
+      text += fmt::format("{}'{}'", text.size() == start ? "" : ", ", folder.empty() ? "." : folder.string());
     }
-    return text + (text.empty() ? "" : ", ") + "and where shaders are";
+    return text + (text.size() == start ? "" : ", ") + "and where shaders are";
   }
 
   const scene::SceneDescription& description_;
+  const render::PreparedScene& scene_;
   shading::Services& services_;
   std::set<std::string> told_;
+  std::set<std::tuple<std::string, std::string, int>> toldReads_;
   Diagnostics found_;
 };
 

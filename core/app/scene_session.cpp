@@ -84,8 +84,19 @@ bool SceneSession::prepare() {
     plan_ = std::move(*plan);
   }
   scene_ = prepareVariant(*description_);
+  if (scene_) {
+    files_ = findFiles(*scene_);
+    tellWarnings(files_);
+    if (files_.hasErrors()) scene_ = nullptr;
+  }
   times_.prepare = secondsSince(start);
   return scene_ != nullptr;
+}
+
+Diagnostics SceneSession::findFiles(const render::PreparedScene& scene) const {
+  Diagnostics files = examineFiles(*description_, scene);
+  description_->sources->annotate(files);
+  return files;
 }
 
 bool SceneSession::prepareAgain() {
@@ -109,9 +120,9 @@ Diagnostics SceneSession::check() {
   if (!errors.hasErrors()) {
     auto prepared = render::prepare(*description_, registry_, prepareOptions(), warnings_);
     if (prepared) {
-      Diagnostics files = examineFiles(*description_, **prepared);
-      description_->sources->annotate(files);
-      warnings_.append(files);
+      const Diagnostics files = findFiles(**prepared);
+      for (const Diagnostic& found : files.entries())
+        (found.severity == Severity::error ? errors : warnings_).add(found);
       return errors;
     }
     errors.append(prepared.errors());

@@ -44,11 +44,14 @@ class SceneSession {
   jit::Target target() const { return toolchain_->target; }
   const PreparationTimes& times() const { return times_; }
   int threadCount() const;
+  /// What is wrong with files that shaders name; a part of `warnings`.
+  const Diagnostics& fileWarnings() const { return files_; }
   /// What was doubtful while loading and preparing.
   const Diagnostics& warnings() const { return warnings_; }
 
  private:
   render::PrepareOptions prepareOptions() const;
+  Diagnostics findFiles(const render::PreparedScene& scene) const;
   bool accept(const Diagnostics& diagnostics) const;
   void tellWarnings(const Diagnostics& warnings);
 
@@ -60,7 +63,7 @@ class SceneSession {
   std::optional<render::SamplingPlan> plan_;
   std::unique_ptr<const render::PreparedScene> scene_;
   PreparationTimes times_;
-  Diagnostics warnings_;
+  Diagnostics warnings_, files_;
 };
 
 /// Narrows the film to the crop. An error when that does not lie within the film.

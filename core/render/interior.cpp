@@ -63,6 +63,14 @@ std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t obj
   return interior;
 }
 
+void turnDownwards(std::vector<accel::SurfaceHit>& hits) {
+  std::ranges::reverse(hits);
+  for (std::size_t first = 0, end = 0; first < hits.size(); first = end) {
+    for (end = first + 1; end < hits.size() && hits[end].hasCompany;) ++end;
+    std::reverse(hits.begin() + static_cast<std::ptrdiff_t>(first), hits.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+}
+
 volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point, float time) {
   volume::MediumStack stack(scene.priorityOrder);
   Ray<World> up;
@@ -77,8 +85,9 @@ volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point, fl
     hits.push_back(*hit);
     last = hit->key();
   }
+  turnDownwards(hits);
   volume::StackStatistics ignored;
-  std::for_each(hits.rbegin(), hits.rend(), [&](const accel::SurfaceHit& hit) {
+  std::ranges::for_each(hits, [&](const accel::SurfaceHit& hit) {
     Ray<World> down = up;
     down.direction = {0, -1, 0};
     if (scene.objects[hit.object].isBoundary) {

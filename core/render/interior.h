@@ -15,6 +15,10 @@ namespace aerosol::render {
 std::optional<volume::Interior> interiorOf(const PreparedScene& scene, std::uint32_t object,
                                            const SurfaceAnswer& answer);
 
+/// Hits in the order of the way up, put in that of the way down: faces that coincide stay in the order of (object,
+/// primitive), as any ray crosses them.
+void turnDownwards(std::vector<accel::SurfaceHit>& hits);
+
 /// Which interiors a point is in: every surface above it is crossed on the way down from outside of the scene, and
 /// asked what is inside. Open surfaces count (a plane of water); upwards is +y.
 volume::MediumStack findMedia(const PreparedScene& scene, Point<World> point, float time);

@@ -102,7 +102,8 @@ std::vector<LampInMedia> findLampsInMedia(const PreparedScene& scene) {
     for (std::size_t id = 0; id < scene.objects.size(); ++id) {
       const PreparedObject& object = scene.objects[id];
       if (mayScatter(object.exterior)) return true;
-      const bool isBody = mayScatter(object.interior) || (scene.nestsMedia && !object.isBoundary && !object.light);
+      const bool isBody = mayScatter(object.body ? volume::mediumOf(*object.body) : object.interior) ||
+                          (scene.nestsMedia && !object.isBoundary && !object.light);
       if (isBody && contains(scene.geometry->surfaceBounds(static_cast<accel::ObjectId>(id)), p)) return true;
     }
     return false;

@@ -26,9 +26,10 @@ volume::Task<bool> probeMedia(PathContext& path, Point<World> point, float time)
     path.probed.push_back(*hit);
     last = hit->key();
   }
+  turnDownwards(path.probed);
   path.media.clear();
   volume::StackStatistics ignored;
-  for (std::size_t i = path.probed.size(); i-- > 0;) {
+  for (std::size_t i = 0; i < path.probed.size(); ++i) {
     const accel::SurfaceHit hit = path.probed[i];
     const PreparedObject& object = scene.objects[hit.object];
     std::optional<volume::Interior> interior;

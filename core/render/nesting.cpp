@@ -44,12 +44,17 @@ const PathContext::Face& interfaceFace(const PathContext& path, const Interior* 
   return best ? *best : path.faces.front();
 }
 
+/// Ends the ray behind what coincides with a face; gives where that is.
+double limitToCompany(Ray<World>& ray, const accel::SurfaceHit& face) {
+  const double reach = face.t + coincidence(face, ray.direction);
+  ray.tMax = std::nextafter(static_cast<float>(reach), std::numeric_limits<float>::infinity());
+  return reach;
+}
+
 /// Finds the faces that coincide with the first one; what ends the row is `below`.
 volume::Task<bool> findCompany(PathContext& path, Ray<World> ray, Nesting& nesting) {
   const PreparedScene& scene = path.scene();
-  const accel::SurfaceHit& first = nesting.face;
-  const double reach = first.t + coincidence(first, ray.direction);
-  ray.tMax = std::nextafter(static_cast<float>(reach), std::numeric_limits<float>::infinity());
+  const double reach = limitToCompany(ray, nesting.face);
   for (;;) {
     const auto hit =
         scene.geometry->closestHit(ray, path.spans, path.statistics().accel, &nesting.last, path.rayTypes());
@@ -131,6 +136,15 @@ volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::Surf
   const shading::ShadingPoint chosen = shadingPointOf(path, nesting.face, ray);
   co_await path.shade(scene.objects[nesting.face.object].material, chosen);
   co_return nesting;
+}
+
+std::optional<accel::SurfaceHit> findBelow(PathContext& path, Ray<World> ray, const accel::SurfaceHit& face) {
+  if (!face.hasCompany) return {};
+  const double reach = limitToCompany(ray, face);
+  const accel::HitKey key = face.key();
+  auto hit = path.scene().geometry->closestHit(ray, path.spans, path.statistics().accel, &key, path.rayTypes());
+  if (hit && (hit->t > reach || hit->object == face.object)) hit.reset();
+  return hit;
 }
 
 void crossNesting(PathContext& path, const Nesting& nesting) {

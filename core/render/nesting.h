@@ -29,6 +29,9 @@ struct Nesting {
 /// them, and the closures are those of the face whose interior rules on either side, of two the stronger.
 volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::SurfaceHit hit);
 
+/// Where no stack is kept: a surface of another object that the face of a body lies on, met next behind it.
+std::optional<accel::SurfaceHit> findBelow(PathContext& path, Ray<World> ray, const accel::SurfaceHit& face);
+
 /// Crosses what `findNesting` found.
 void crossNesting(PathContext& path, const Nesting& nesting);
 

@@ -113,7 +113,10 @@ void findInitialMedia(Preparation& state) {
   // Corners of the near plane, and what rounding and the filter's width add.
   const auto reach = static_cast<float>(1.1 * state.scene->camera->startReach(state.scene->shutter.open));
   if (interiorsMayMeet(state, eye, reach)) state.scene->nestsMedia = true;
-  if (!state.scene->nestsMedia.isCalledFor()) return;
+  if (!state.scene->nestsMedia.isCalledFor()) {
+    placeBodies(state);
+    return;
+  }
   state.scene->initialMedia = findMedia(*state.scene, eye, state.scene->shutter.open);
   state.scene->probesMedia = state.scene->changes || needsProbes(*state.scene, eye, reach);
 }

@@ -51,6 +51,8 @@ struct PreparedObject {
   bool clipsVolumes = false;             ///< The interior rules out volume primitives too.
   std::optional<std::uint32_t> light;    ///< Index of its area light.
   std::vector<const Closure*> closures;  ///< By closure site of the material's program.
+  /// What a closure says is inside, where paths keep no stack: the same everywhere on the surface.
+  std::optional<volume::Interior> body;
   struct Output {
     std::uint32_t site = 0;
     std::string name;
@@ -64,8 +66,13 @@ struct PreparedObject {
   bool separatesMedia() const { return interior || exterior || priority || clipsVolumes; }
   /// The medium behind it, `here` being that before it, where no stack is kept.
   const volume::Medium* behind(bool entering, const volume::Medium* here) const {
+    if (body) return entering ? volume::mediumOf(*body) : exterior;
     if (!interior && !exterior) return here;
     return entering ? interior : exterior;
+  }
+  /// What crossing the face of its body means, with nothing around it.
+  volume::Crossing crossBody(bool entering) const {
+    return {.iorBefore = entering ? 1 : body->ior, .iorAfter = entering ? body->ior : 1};
   }
 };
 

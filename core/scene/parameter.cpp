@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/scene/reporter.h"
 
@@ -23,6 +24,29 @@ std::string format(const Range& range) {
   return fmt::format("{}", fmt::join(parts, " and "));
 }
 
+namespace {
+
+/// Of places and sizes squares have to fit into floats. (Distances at which something ends may be endless.)
+std::string checkSize(const ParameterSpec& spec, const Value& value) {
+  if (spec.unit != "scene units") return {};
+  std::vector<float> numbers;
+  if (const auto* p = std::get_if<Point<Unplaced>>(&value)) numbers = {p->x, p->y, p->z};
+  const auto* const number = std::get_if<float>(&value);
+  const bool isRadius = number && spec.name.ends_with("radius");
+  if (isRadius) numbers = {*number};
+  for (const float x : numbers) {
+    if (std::fabs(x) > 1e18f)
+      return fmt::format("'{}' is {}, beyond 1e18 scene units: write lengths in a larger unit", spec.name,
+                         format(value));
+  }
+  if (isRadius && *number > 0 && *number < 1e-18f)
+    return fmt::format("'{}' is {}, below 1e-18 scene units: write lengths in a smaller unit", spec.name,
+                       format(value));
+  return {};
+}
+
+}  // namespace
+
 std::string checkValue(const ParameterSpec& spec, const Value& value) {
   if (const auto* text = std::get_if<std::string>(&value)) {
     if (spec.choices.empty() || std::find(spec.choices.begin(), spec.choices.end(), *text) != spec.choices.end()) {
@@ -40,7 +64,7 @@ std::string checkValue(const ParameterSpec& spec, const Value& value) {
     if (spec.range.contains(number)) continue;
     return fmt::format("'{}' is {}, it has to be {}", spec.name, format(value), format(spec.range));
   }
-  return {};
+  return checkSize(spec, value);
 }
 
 std::vector<VolumeType> defaultVolumeTypes() {

@@ -203,6 +203,21 @@ void reportChildren(const XmlElement& step, ReadContext context) {
 
 }  // namespace
 
+namespace {
+
+/// Squares of lengths have to fit into floats; null where they do.
+const char* problemOfSize(const Matrix4& m) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double length = std::hypot(m[0][i], m[1][i], m[2][i]);
+    if (length > 1e18) return "this transform leads beyond 1e18 scene units: write lengths in a larger unit";
+    if (i < 3 && length > 0 && length < 1e-18)
+      return "this transform makes lengths less than 1e-18 of what they were: write lengths in a smaller unit";
+  }
+  return nullptr;
+}
+
+}  // namespace
+
 std::optional<Matrix4> readTransform(const XmlElement& xml, ReadContext context) {
   Matrix4 product = identityMatrix();
   bool valid = true;
@@ -219,6 +234,10 @@ std::optional<Matrix4> readTransform(const XmlElement& xml, ReadContext context)
       context.reporter.error(context.source.at(xml.offset), "the numbers of this transform overflow");
       return std::nullopt;
     }
+  }
+  if (const char* const problem = problemOfSize(product)) {
+    context.reporter.error(context.source.at(xml.offset), problem);
+    return std::nullopt;
   }
   return product;
 }

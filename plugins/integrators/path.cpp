@@ -311,6 +311,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     co_await path.shade(scene.objects[hit.object].material, point);
   }
   const PreparedObject& object = scene.objects[hit.object];
+  if (object.body) nesting.crossing = object.crossBody(hit.entering);
   const SurfaceAnswer& answer = path.surfaceAnswer();
   if (nesting.isInterface && !nesting.crossing.isHit) {
     goBehind(path, state, nesting);
@@ -318,7 +319,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     co_return Step::passes;
   }
   const SurfaceClosures closures(object, answer, hit, state.ray.direction,
-                                 nesting.isInterface ? &nesting.crossing : nullptr);
+                                 nesting.isInterface || object.body ? &nesting.crossing : nullptr);
   if (path.record && !closures.mix().isPassing())
     seeSurface(path, closures.mix(), hit, seenDistance(state, hit.point), state.throughput);
   radiance.alpha = std::max(radiance.alpha, 1 - std::clamp(average(closures.mix().holdout()), 0.0f, 1.0f));
@@ -391,6 +392,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     path.setFootprint(
         footprintBehind(path.footprint(), *scene.geometry, hit, *next, state.ray.time, scene.largestFootprint));
   }
+  if (crosses && object.body) nesting.below = findBelow(path, state.ray, hit);
   continueFrom(state, hit.originTowards(next->direction), next->direction, next->weight, next->weight);
   state.scatterings -= next->isPassing;
   if (crosses && nesting.isInterface) {
@@ -398,6 +400,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
     meetNext(state, nesting, before);
   } else if (crosses) {
     state.boundaryMedium = behind;
+    meetNext(state, nesting, before);
   }
   co_return Step::scatters;
 }

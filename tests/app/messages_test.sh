@@ -42,3 +42,46 @@ cat >missing.xml <<'XML'
 XML
 expect 1 render missing.xml --quiet
 said err "missing.xml:3:54: error: there is no file 'dragon.ply'"
+
+# Voxels that a shader is sure to read have to be there: the same is said before a render, by check and by the doctor.
+scenes=$input/../../../scenes
+head -c 3000 "$scenes/cloud.vdb" >damaged.vdb
+cp "$scenes/cloud.vdb" cloud.vdb
+voxels() {
+  cat >voxels.xml <<XML
+<scene version="3.0.0">
+  <sensor type="perspective"/>
+  <volume type="box"><medium type="grid">
+    <string name="filename" value="$1"/><string name="gridname" value="$2"/></medium></volume>
+</scene>
+XML
+  local command
+  for command in "render --quiet" check "doctor --size 8"; do
+    expect "$3" $command voxels.xml
+    [ -z "$4" ] || said err "$4"
+  done
+}
+voxels damaged.vdb density 1 'voxels.xml:4:36: error: "damaged.vdb": cannot read the voxel file: it is damaged'
+voxels nowhere.vdb density 1 'voxels.xml:4:36: error: "nowhere.vdb": there is no such file'
+voxels cloud.vdb smoke 1 'voxels.xml:4:79: error: "cloud.vdb" has no grid "smoke"; it has "density"'
+said err "shader 'grid' reads it at"
+# A shader that says what it wants instead has it.
+cat >careful.osl <<'OSL'
+volume careful(string filename = "nowhere.vdb") {
+  float density = texture3d(filename, P, "missingcolor", color(0.5));
+  Ci = anisotropic_vdf(color(0.5), color(density), 0.0);
+}
+OSL
+sed 's/type="fog" id="fog"/type="careful" id="fog"/' "$input/fog.xml" >careful.xml
+expect 0 render careful.xml --quiet
+
+# A texture that is missing is told of at its place before the render, which goes on.
+cat >texture.xml <<'XML'
+<scene version="3.0.0">
+  <sensor type="perspective"/>
+  <shape type="sphere"><bsdf type="diffuse">
+    <texture name="reflectance" type="bitmap"><string name="filename" value="none.png"/></texture></bsdf></shape>
+</scene>
+XML
+expect 0 render texture.xml --quiet --spp 1 --crop 300,300,9,9
+said err 'texture.xml:4:78: warning: "none.png" of shader'

@@ -336,6 +336,31 @@ TEST(InitialMedia, BeginAtTheNearClipPlane) {
   }
 }
 
+/// The camera stands in two boxes whose tops coincide: they are entered in the order of objects, whatever it is. Of
+/// equal priorities the first one holds; of none the one entered last.
+TEST(InitialMedia, CoincidentTopsAreEnteredInTheOrderOfObjects) {
+  const char* const colors[] = {"0.5, 0.8, 0.9", "0.9, 0.4, 0.7"};
+  for (const int first : {0, 1}) {
+    for (const int priority : {0, 1}) {
+      TestSensor sensor = narrow;
+      sensor.origin = "0, 0, 0.01";
+      sensor.target = "0, 0, 1";
+      const TestScene scene = loadScene(manyBounces, sensor,
+                                        std::string(sky) + layer(-1, 1 + 1e-3 * first, priority, colors[first]) +
+                                            layer(-1, 1 + 1e-3 * (1 - first), priority, colors[1 - first]));
+      const int ruling = priority == 1 ? first : 1 - first;
+      const Color color = ruling == 0 ? Color(0.5f, 0.8f, 0.9f) : Color(0.9f, 0.4f, 0.7f);
+      EXPECT_TRUE(shows(
+          scene, *scene.render(16384),
+          [&](const Ray<World>&) {
+            return skyColor * Color(std::pow(color.r, 0.98f), std::pow(color.g, 0.98f), std::pow(color.b, 0.98f));
+          },
+          0.02))
+          << first << ' ' << priority;
+    }
+  }
+}
+
 /// Exits without entry and double entries change nothing else, and are counted.
 TEST(OpenSurfaces, AreCounted) {
   const std::string open =

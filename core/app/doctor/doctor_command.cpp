@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/app/doctor/examination.h"
-#include "core/app/file_check.h"
 #include "core/app/quantity.h"
 #include "core/render/medium_facts.h"
 
@@ -38,8 +37,6 @@ ExitCode doctorCommand(const DoctorArguments& arguments, const Console& console)
   if (!session.prepare()) return ExitCode::badInput;
   const scene::SceneDescription& description = session.description();
   Diagnostics found = examineInputs(description, session.scene());
-  const Diagnostics files = examineFiles(description, session.scene());
-  found.append(files);
   found.append(examineGeometry(description, session.scene()));
   found.append(examineSampling(description, session.scene()));
   if (const double steps = render::mostStepsAcross(session.scene()); steps > render::endlessSteps) {
@@ -47,7 +44,7 @@ ExitCode doctorCommand(const DoctorArguments& arguments, const Console& console)
     if (!session.prepareAgain()) return ExitCode::badInput;
   }
   const PilotReport pilot = renderPilot(session, 0.5);
-  found.append(withoutFiles(examinePilot(description, session.scene(), pilot), files));
+  found.append(withoutFiles(examinePilot(description, session.scene(), pilot), session.fileWarnings()));
   description.sources->annotate(found);
   console.report(found);
   const std::size_t count = found.entries().size() + session.warnings().entries().size();

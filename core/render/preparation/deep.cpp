@@ -44,7 +44,7 @@ class DepthRanges {
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
       const PreparedObject& object = scene.objects[i];
       isEverywhere = isEverywhere || object.exterior;
-      const bool mayHold = object.interior || scene.nestsMedia;
+      const bool mayHold = object.interior || object.body || scene.nestsMedia;
       if (mayHold) add(boundsOf(i), media_);
     }
     if (isEverywhere) media_ = all_;

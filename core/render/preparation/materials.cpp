@@ -55,11 +55,29 @@ bool isZero(const lang::Program& program, std::uint32_t site, std::size_t parame
     if (output.kind != lang::OutputKind::siteParameter || output.index != site || output.subIndex != parameter)
       continue;
     const lang::Variable& variable = program.variables[output.variable];
+    if (variable.storage != lang::Storage::constant) return false;
+    const auto isZeroNumber = [](auto value) { return value == 0; };
+    if (const auto* ints = std::get_if<std::vector<std::int32_t>>(&variable.value))
+      return std::ranges::all_of(*ints, isZeroNumber);
     const auto* floats = std::get_if<std::vector<float>>(&variable.value);
-    return variable.storage == lang::Storage::constant && floats &&
-           std::all_of(floats->begin(), floats->end(), [](float value) { return value == 0; });
+    return floats && std::ranges::all_of(*floats, isZeroNumber);
   }
   return true;
+}
+
+/// Whether the site's weight and parameters are the same wherever the material is.
+bool isConstant(const lang::Program& program, std::uint32_t site) {
+  return std::ranges::all_of(program.outputs, [&](const lang::Output& output) {
+    const bool isOfSite = output.kind == lang::OutputKind::siteWeight || output.kind == lang::OutputKind::siteParameter;
+    return !isOfSite || output.index != site || program.variables[output.variable].storage == lang::Storage::constant;
+  });
+}
+
+/// Whether the interior that a site describes takes part in priorities.
+bool hasPriority(const lang::Program& program, std::uint32_t site) {
+  const std::vector<std::string>& names = program.closureSites[site].parameterNames;
+  const auto priority = std::ranges::find(names, "priority");
+  return priority != names.end() && !isZero(program, site, static_cast<std::size_t>(priority - names.begin()));
 }
 
 /// Every parameter of the site has to mean something to the closure.
@@ -178,7 +196,10 @@ void describeMaterial(Preparation& state, PreparedObject& object) {
       findOutput(state, folded, index, object);
     findLabel(folded, index, object);
     const bool isInterior = object.closures[i] && object.closures[i]->kind() == ClosureKind::interior;
-    if (isInterior && !isWeightless(folded, index)) state.scene->nestsMedia = object.saysInside = true;
+    if (isInterior && !isWeightless(folded, index)) {
+      object.saysInside = true;
+      state.scene->nestsMedia = state.scene->nestsMedia || !isConstant(folded, index) || hasPriority(folded, index);
+    }
     const bool isBody = object.closures[i] && object.closures[i]->kind() == ClosureKind::subsurface;
     if (isBody && !isWeightless(folded, index)) state.scene->hasSubsurface = true;
   }

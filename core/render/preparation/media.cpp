@@ -8,7 +8,10 @@
 #include <limits>
 #include <thread>
 
+#include "core/accel/closed_mesh.h"
+#include "core/render/interior.h"
 #include "core/render/medium_phase.h"
+#include "core/render/medium_preparation.h"
 #include "core/render/preparation/level_of_detail.h"
 #include "core/render/preparation/velocities.h"
 #include "core/render/voxel_media.h"
@@ -237,13 +240,28 @@ void findVoxels(Preparation& state) {
 
 }  // namespace
 
+namespace {
+
+/// Whether a ray that enters the shape leaves it before it enters again: then there is no need to count.
+bool isEnteredOnce(const Preparation& state, std::size_t index) {
+  const auto object = static_cast<accel::ObjectId>(index);
+  const scene::Shape& shape = state.description.shapes[index];
+  if (shape.type == scene::ShapeType::sphere && !shape.displacement) return !shape.flipNormals;
+  const accel::TriangleMesh* const mesh = state.scene->geometry->mesh(object);
+  return mesh && !state.scene->geometry->sharedPlacement(object) && accel::isStarBody(*mesh);
+}
+
+}  // namespace
+
 bool interiorsMayMeet(const Preparation& state, Point<World> eye, float reach) {
   std::vector<Box<World>> boxes;
   for (std::size_t i = 0; i < state.description.shapes.size(); ++i) {
     const PreparedObject& object = state.scene->objects[i];
     const scene::Shape& shape = state.description.shapes[i];
-    if (!object.interior && !object.exterior) continue;
-    if ((shape.isFromFile() && object.interior) || shape.toWorld.motionDuring(state.scene->shutter)) return true;
+    if (!object.interior && !object.exterior && !object.saysInside) continue;
+    if (shape.toWorld.motionDuring(state.scene->shutter)) return true;
+    if (object.saysInside && !isEnteredOnce(state, i)) return true;
+    if (!object.saysInside && shape.isFromFile() && object.interior) return true;
     const Box<World> box = state.scene->geometry->surfaceBounds(static_cast<accel::ObjectId>(i));
     if (!box.isEmpty()) boxes.push_back(box);
   }
@@ -267,6 +285,16 @@ bool interiorsMayMeet(const Preparation& state, Point<World> eye, float reach) {
     }
   }
   return false;
+}
+
+void placeBodies(Preparation& state) {
+  for (std::size_t i = 0; i < state.description.shapes.size(); ++i) {
+    PreparedObject& object = state.scene->objects[i];
+    if (!object.saysInside) continue;
+    // What is asked is the same at any point.
+    const SurfaceAnswer answer = askSurface(*state.scene, object.material, {});
+    object.body = interiorOf(*state.scene, static_cast<std::uint32_t>(i), answer);
+  }
 }
 
 void decideMedia(Preparation& state) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/accel/closed_mesh.h"
 #include "core/accel/curved_mesh.h"
 #include "core/render/preparation/displacement.h"
@@ -205,6 +207,25 @@ void addShapes(Preparation& state) {
   }
 }
 
+namespace {
+
+/// As of shapes: squares of lengths have to fit into floats.
+bool isTooFar(const Preparation& state, Box<World> bounds, const std::shared_ptr<const Motion>& motion) {
+  const auto reachesFar = [](const Box<World>& box) {
+    for (int i = 0; i < 3; ++i) {
+      if (!(std::fabs(box.lower[i]) <= 1e18f && std::fabs(box.upper[i]) <= 1e18f)) return true;
+    }
+    return false;
+  };
+  if (bounds.isEmpty()) return false;
+  if (!motion) return reachesFar(bounds);
+  const MovingPlace place(motion);
+  return reachesFar(placed(bounds, place.at(state.scene->shutter.open))) ||
+         reachesFar(placed(bounds, place.at(state.scene->shutter.close)));
+}
+
+}  // namespace
+
 void addVolumes(Preparation& state) {
   for (std::size_t i = 0; i < state.description.volumes.size(); ++i) {
     const scene::Volume& volume = state.description.volumes[i];
@@ -220,6 +241,11 @@ void addVolumes(Preparation& state) {
       continue;
     }
     Box<World> bounds = (*shape)->worldBounds();
+    if (isTooFar(state, bounds, motion)) {
+      state.errors.error(volume.origin.location, "the volume reaches beyond 1e18",
+                         {"squares of lengths have to fit into floats: write lengths in a larger unit"});
+      continue;
+    }
     *shape = carry(state, volume, state.scene->volumes[i]->index, standing, hasRoom, std::move(*shape));
     if (motion) bounds = placed(bounds, MovingPlace(motion).at(state.scene->shutter.open));
     for (const volume::Medium* medium : state.scene->mediaOf(i)) {
