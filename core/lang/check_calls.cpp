@@ -11,6 +11,23 @@ namespace aerosol::lang {
 
 namespace {
 
+/// Lets calls be chosen anew, for another type that is expected of them.
+void forgetTypes(Expression& expression) {
+  const auto forgetAll = [&](auto&... parts) {
+    (forgetTypes(*parts), ...);
+    expression.type = types::none;
+  };
+  auto& node = expression.node;
+  if (auto* unary = std::get_if<Unary>(&node)) forgetAll(unary->operand);
+  if (auto* binary = std::get_if<Binary>(&node)) forgetAll(binary->left, binary->right);
+  if (auto* choice = std::get_if<Conditional>(&node)) forgetAll(choice->yes, choice->no);
+  if (auto* comma = std::get_if<Comma>(&node)) forgetAll(comma->second);
+  if (auto* call = std::get_if<Call>(&node)) {
+    for (ExpressionPtr& argument : call->arguments) forgetTypes(*argument);
+    expression.type = types::none;
+  }
+}
+
 /// Whether any value may be a closure, too.
 bool takesClosures(const BuiltinRow& row) {
   return std::string_view(row.name) == "setmessage" || std::string_view(row.name) == "getmessage";
@@ -18,16 +35,17 @@ bool takesClosures(const BuiltinRow& row) {
 
 }  // namespace
 
-Type Checker::checkArguments(const Expression& call, std::vector<ExpressionPtr>& arguments, std::vector<Type>& types) {
+Type Checker::checkArguments(const Expression& call, std::vector<ExpressionPtr>& arguments, std::vector<Type>& types,
+                             const Type& expected) {
   Type worst = types::none;
   for (const ExpressionPtr& argument : arguments) {
     Type type = types::none;
     if (auto* list = std::get_if<InitializerList>(&argument->node)) {
       // Its type follows from the parameter; what stands inside can be checked now.
-      if (isPoisoned(checkArguments(call, list->elements, types))) worst = poisoned;
+      if (isPoisoned(checkArguments(call, list->elements, types, types::none))) worst = poisoned;
       types.resize(types.size() - list->elements.size());
     } else {
-      type = check(*argument, types::none);
+      type = check(*argument, expected);
       if (type == types::none) {
         error(argument->position, "this argument is void: there is no value");
         type = argument->type = poisoned;
@@ -202,10 +220,17 @@ Type Checker::checkCall(Expression& expression, Call& call, const Type& expected
     if (const StructType* structure = findStruct(call.name, expression.position))
       return checkStructConstructor(expression, call.arguments, *structure, expression.position);
     unknownFunction(expression.position, call.name);
-    checkArguments(expression, call.arguments, types);
+    checkArguments(expression, call.arguments, types, types::none);
     return poisoned;
   }
-  if (isPoisoned(checkArguments(expression, call.arguments, types))) return poisoned;
+  if (isPoisoned(checkArguments(expression, call.arguments, types, expected))) return poisoned;
+  if (!(expected == types::none) &&
+      !choose(candidates, call.arguments, types, expected, expression.position, call.name, false)) {
+    // What is expected of the call does not suit its arguments: these decide for themselves.
+    for (ExpressionPtr& argument : call.arguments) forgetTypes(*argument);
+    types.clear();
+    if (isPoisoned(checkArguments(expression, call.arguments, types, types::none))) return poisoned;
+  }
   const Candidate* chosen = choose(candidates, call.arguments, types, expected, expression.position, call.name, true);
   if (!chosen) return poisoned;
   bindArguments(*chosen, call.arguments, expression.position);

@@ -57,15 +57,12 @@ bool isEquality(BinaryOp op) { return op == BinaryOp::equal || op == BinaryOp::n
 bool isScalarTriple(const Type& type) { return type.isTriple() && !type.isArray(); }
 bool isMatrix(const Type& type) { return type == types::matrix; }
 
-/// Kind of the sum, difference, product or quotient of two triples: the difference of two points is a vector, a point
-/// and a vector make a point, colours stay colours.
+/// Kind of the sum, difference, product or quotient of two triples: the difference of two points is a vector, any other
+/// sum or difference with a point is a point, everything else is what stands on the left.
 Type tripleResult(BinaryOp op, const Type& left, const Type& right) {
-  const auto either = [&](const Type& type) { return left == type || right == type; };
-  if (left == right && !(left == types::point && op == BinaryOp::subtract)) return left;
-  if (either(types::color)) return left == types::color ? right : left;
-  if (op == BinaryOp::subtract) return left == types::point && !(right == types::point) ? types::point : types::vector;
-  if (op == BinaryOp::add) return either(types::point) ? types::point : types::vector;
-  return left;
+  const bool isSum = op == BinaryOp::add || op == BinaryOp::subtract;
+  if (!isSum || (!(left == types::point) && !(right == types::point))) return left;
+  return op == BinaryOp::subtract && left == right ? types::vector : types::point;
 }
 
 bool isWeight(const Type& type) { return type.isNumber() || type == types::color; }
@@ -217,10 +214,9 @@ Type Checker::binaryType(Position position, BinaryOp op, const Expression&, cons
     const bool product = op == BinaryOp::multiply || op == BinaryOp::divide;
     if (product && ((isMatrix(left) && (isMatrix(right) || right.isNumber())) || (left.isNumber() && isMatrix(right))))
       return types::matrix;
-    const bool closures = left == types::closure && right == types::closure;
-    if (closures && (op == BinaryOp::add || op == BinaryOp::subtract)) return types::closure;
-    if (product && left == types::closure && isWeight(right)) return types::closure;
-    if (op == BinaryOp::multiply && isWeight(left) && right == types::closure) return types::closure;
+    if (op == BinaryOp::add && left == types::closure && right == types::closure) return types::closure;
+    const bool weighted = (left == types::closure && isWeight(right)) || (isWeight(left) && right == types::closure);
+    if (op == BinaryOp::multiply && weighted) return types::closure;
   }
   if (isIntegral(op) && left == types::integer && right == types::integer) return types::integer;
   if (isOrder(op) && left.isNumber() && right.isNumber()) return types::integer;
@@ -268,15 +264,15 @@ Type Checker::checkAssign(Expression& expression, Assign& assign) {
 }
 
 Type Checker::checkConditional(Expression& expression, Conditional& conditional, const Type& expected) {
-  checkCondition(*conditional.condition);
+  checkCondition(*conditional.condition, "the condition of '?:'");
   const Type yes = check(*conditional.yes, expected), no = check(*conditional.no, expected);
   if (isPoisoned(yes) || isPoisoned(no)) return poisoned;
   if (yes == no && !(yes == types::none)) return yes;
   if (yes.closure && isZeroLiteral(*conditional.no)) return yes;
   if (no.closure && isZeroLiteral(*conditional.yes)) return no;
   if (!yes.isArray() && !no.isArray()) {
+    if (isAssignable(no, yes)) return no;  // Of two kinds of triples it is the second one's.
     if (isAssignable(yes, no)) return yes;
-    if (isAssignable(no, yes)) return no;
   }
   error(expression.position, "the two values of '?:' do not go together: " + toString(yes) + " and " + toString(no));
   return poisoned;

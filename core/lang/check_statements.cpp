@@ -63,16 +63,21 @@ void Checker::checkVariables(DeclarationStatement& declaration) {
   }
 }
 
-void Checker::checkCondition(Expression& condition) {
+void Checker::checkCondition(Expression& condition, const std::string& notForClosures) {
   const Type type = check(condition, types::integer);
-  if (!isPoisoned(type) && !isConditional(type))
+  if (isPoisoned(type)) return;
+  if (!isConditional(type)) {
     error(condition.position, "a value of type " + toString(type) + " cannot be a condition");
+  } else if (type.closure && !notForClosures.empty()) {
+    error(condition.position, "a closure cannot be " + notForClosures,
+          {"'if', '!', '&&' and '||' tell whether one is empty"});
+  }
 }
 
 void Checker::checkLoop(Loop& loop) {
   scopes_.emplace_back();
   if (loop.initial) checkStatement(*loop.initial);
-  if (loop.condition) checkCondition(*loop.condition);
+  if (loop.condition) checkCondition(*loop.condition, "the condition of a loop");
   if (loop.step) check(*loop.step, types::none);
   ++loopDepth_;
   scopes_.emplace_back();

@@ -81,7 +81,8 @@ class Checker {
   // check_statements.cpp
   void checkStatement(Statement& statement);
   void checkVariables(DeclarationStatement& declaration);
-  void checkCondition(Expression& condition);
+  /// `notForClosures`: what stands there, where it may not be a closure.
+  void checkCondition(Expression& condition, const std::string& notForClosures = {});
   void checkLoop(Loop& loop);
   void checkReturn(Return& statement, Position position);
 
@@ -112,7 +113,9 @@ class Checker {
 
   // check_calls.cpp
   Type checkCall(Expression& expression, Call& call, const Type& expected);
-  Type checkArguments(const Expression& call, std::vector<ExpressionPtr>& arguments, std::vector<Type>& types);
+  /// Calls among the arguments are chosen by the type that is expected of the call they stand in.
+  Type checkArguments(const Expression& call, std::vector<ExpressionPtr>& arguments, std::vector<Type>& types,
+                      const Type& expected);
   void gatherCandidates(std::string_view name, Position position, std::vector<Candidate>& candidates);
   void addCandidate(std::vector<Candidate>& candidates, Candidate candidate) const;
   const Candidate* choose(std::vector<Candidate>& candidates, const std::vector<ExpressionPtr>& arguments,

@@ -10,9 +10,11 @@ namespace aerosol::lang {
 
 namespace {
 
-BaseType baseOf(FormatKind kind) {
-  if (kind == FormatKind::string) return BaseType::string;
-  return kind == FormatKind::integer ? BaseType::integer : BaseType::floating;
+/// Whether a conversion shows numbers or strings of that type. %c shows colours.
+bool suits(char conversion, BaseType shown) {
+  const FormatKind kind = conversion == 'c' ? FormatKind::floating : kindOf(conversion);
+  if (kind == FormatKind::string) return shown == BaseType::string;
+  return shown == (kind == FormatKind::integer ? BaseType::integer : BaseType::floating);
 }
 
 }  // namespace
@@ -36,15 +38,18 @@ void Lowerer::scalarsOf(const Value& value, std::vector<VariableId>& scalars) {
 }
 
 /// The format, which is the value of argument number `first`, with one conversion for each scalar (a triple's three are
-/// separated by spaces), and those scalars.
+/// separated by spaces), and those scalars. A literal's conversions must suit the values; those of other formats become
+/// %d, %f or %s where they do not.
 std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t first, std::string_view format,
                                                  std::vector<VariableId>& scalars) {
   const Position at = called.arguments[first]->position;
+  const bool isLiteral = std::holds_alternative<StringLiteral>(called.arguments[first]->node);
   const auto pieces = splitFormat(format);
   if (!pieces) {
-    error(at, "malformed format string",
-          {"conversions are %d %i %o %x %c for int, %f %g %e for float, triples and matrices, %s for strings, and %% "
-           "for a percent sign"});
+    error(
+        at, "malformed format string",
+        {"conversions are %d %i %o %x for int, %f %g %e for float, triples and matrices, %s for strings, and %% for a "
+         "percent sign"});
     return std::nullopt;
   }
   std::string expanded;
@@ -62,18 +67,17 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t
     std::vector<VariableId> parts;
     scalarsOf(protect(lower(argument), std::span(called.arguments).subspan(next)), parts);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const bool isColor = piece.conversion == 'c' && argument.type.isTriple() && !argument.type.closure;
-      std::string shownBy = piece.text;
-      if (isColor || std::string_view("pnvm").find(piece.conversion) != std::string_view::npos) shownBy.back() = 'g';
-      const BaseType kind = isColor ? BaseType::floating : baseOf(kindOf(piece.conversion));
-      if (typeOf(parts[i]) == types::integer && kind == BaseType::floating)
-        parts[i] = emit(Op::toFloat, types::floating, {parts[i]});
       const BaseType shown = typeOf(parts[i]).closure ? BaseType::string : typeOf(parts[i]).base;
-      if (shown != kind) {
-        error(argument.position,
-              "the conversion " + piece.text + " does not show a value of type " + toString(argument.type));
-        return std::nullopt;
+      std::string shownBy = piece.text;
+      if (!suits(piece.conversion, shown)) {
+        if (isLiteral) {
+          error(argument.position,
+                "the conversion " + piece.text + " does not show a value of type " + toString(argument.type));
+          return std::nullopt;
+        }
+        shownBy.back() = shown == BaseType::integer ? 'd' : shown == BaseType::floating ? 'f' : 's';
       }
+      if (std::string_view("cpnvm").find(shownBy.back()) != std::string_view::npos) shownBy.back() = 'g';
       scalars.push_back(parts[i]);
       expanded += (i > 0 ? " " : "") + shownBy;
     }

@@ -85,7 +85,10 @@ TEST(Check, ChoosesByTheResultThatIsAskedFor) {
   EXPECT_THAT(listing("c = noise(P);"), HasSubstr("uperlin_v_v"));
   EXPECT_THAT(listing("c = 0.5 * noise(P);"), HasSubstr("uperlin_v_v"));
   EXPECT_THAT(listing("c = (color)noise(P, u);"), HasSubstr("uperlin_v_vf"));
-  EXPECT_THAT(listing("c = abs(noise(u));"), HasSubstr("uperlin_f_f"));
+  EXPECT_THAT(listing("c = abs(noise(u));"),
+              HasSubstr("uperlin_v_f"));  // What is asked of a call goes for its arguments.
+  EXPECT_THAT(listing("f = length(noise(u));"), HasSubstr("uperlin_f_f"));
+  EXPECT_THAT(listing("c = rotate(P, noise(u), vector(1));"), HasSubstr("uperlin_f_f"));  // It would fit none here.
   EXPECT_THAT(listing("f = noise(u, v) > 0.5;"), HasSubstr("uperlin_f_ff"));
   EXPECT_THAT(listing("c = (vector)snoise(P);"), HasSubstr("perlin_v_v"));
 }
