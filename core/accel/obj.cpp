@@ -33,18 +33,52 @@ struct Token {
   std::size_t offset = 0;
 };
 
+/// Which of a file's faces are wanted.
+struct FaceChoice {
+  explicit FaceChoice(std::string_view text) {
+    for (std::string_view word = nextWord(text); !word.empty(); word = nextWord(text)) words.emplace_back(word);
+    const auto drop = [&](std::string_view first) {
+      const bool isThere = !words.empty() && words.front() == first;
+      if (isThere) words.erase(words.begin());
+      return isThere;
+    };
+    all = words.empty();
+    isOthers = drop("not");
+    byMaterial = drop("usemtl");
+    if (!byMaterial) drop("o");
+  }
+
+  bool takes(std::string_view material, std::string_view object) const {
+    if (all) return true;
+    return (std::ranges::find(words, byMaterial ? material : object) != words.end()) != isOthers;
+  }
+
+  bool all = true, byMaterial = false, isOthers = false;
+  std::vector<std::string> words;
+
+ private:
+  static std::string_view nextWord(std::string_view& text) {
+    const std::size_t begin = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+    const std::size_t end = std::min(text.find_first_of(" \t\r\n", begin), text.size());
+    const std::string_view word = text.substr(begin, end - begin);
+    text.remove_prefix(end);
+    return word;
+  }
+};
+
 bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
 class ObjParser {
  public:
-  ObjParser(const TextSource& source, Diagnostics& warnings) : source_(source), warnings_(warnings) {}
+  ObjParser(const TextSource& source, Diagnostics& warnings, std::string_view faces)
+      : source_(source), warnings_(warnings), choice_(faces), isTaken_(choice_.takes({}, {})) {}
 
   Result<TriangleMesh> parse() {
     while (readLine()) {
       if (!tokens_.empty()) parseStatement();
       if (errors_.hasErrors()) return errors_;
     }
-    if (mesh_.triangles.empty()) warn(0, "the file has no faces");
+    if (mesh_.triangles.empty()) warn(0, choice_.all ? "the file has no faces" : "the file has no such faces");
     if (!hasNormals_) mesh_.normals.clear();
     if (!hasUvs_) mesh_.uvs.clear();
     return std::move(mesh_);
@@ -100,6 +134,9 @@ class ObjParser {
       parseNormal();
     } else if (word == "f" || word == "fo") {
       parseFace();
+    } else if (word == "usemtl" || word == "o" || word == "g") {
+      (word == "usemtl" ? material_ : object_) = tokens_.size() > 1 ? tokens_[1].text : std::string_view();
+      isTaken_ = choice_.takes(material_, object_);
     } else if (word == "p" || word == "l") {
       warnOnce(word == "p" ? pointsWarned_ : linesWarned_, word == "p" ? "points are left out" : "lines are left out");
     } else if (!isMeaningless(word)) {
@@ -110,7 +147,7 @@ class ObjParser {
   }
 
   static bool isMeaningless(std::string_view word) {
-    constexpr std::string_view words[] = {"o", "g", "s", "mg", "usemtl", "mtllib", "usemap", "maplib"};
+    constexpr std::string_view words[] = {"s", "mg", "mtllib", "usemap", "maplib"};
     return std::ranges::find(words, word) != std::end(words);
   }
 
@@ -150,6 +187,7 @@ class ObjParser {
   }
 
   void parseFace() {
+    if (!isTaken_) return;
     if (tokens_.size() < 4) return fail(tokens_[0], "a face takes at least three corners");
     face_.clear();
     facePositions_.clear();
@@ -225,6 +263,9 @@ class ObjParser {
   const TextSource& source_;
   Diagnostics& warnings_;
   Diagnostics errors_;
+  FaceChoice choice_;
+  std::string_view material_, object_;  ///< Of the faces to come: the last word of each kind.
+  bool isTaken_;
   std::size_t position_ = 0;
   std::vector<Token> tokens_;
   std::vector<Point<World>> positions_;
@@ -238,23 +279,25 @@ class ObjParser {
   bool hasUvs_ = false, hasNormals_ = false, pointsWarned_ = false, linesWarned_ = false;
 };
 
-Result<TriangleMesh> parse(const TextSource& source, const Transform<World, Object>& toWorld, Diagnostics& warnings) {
-  auto mesh = ObjParser(source, warnings).parse();
+Result<TriangleMesh> parse(const TextSource& source, const Transform<World, Object>& toWorld, Diagnostics& warnings,
+                           std::string_view faces) {
+  auto mesh = ObjParser(source, warnings, faces).parse();
   if (mesh) transformMesh(*mesh, toWorld);
   return mesh;
 }
 
 }  // namespace
 
-Result<TriangleMesh> loadObj(const std::string& path, const Transform<World, Object>& toWorld, Diagnostics& warnings) {
+Result<TriangleMesh> loadObj(const std::string& path, const Transform<World, Object>& toWorld, Diagnostics& warnings,
+                             std::string_view faces) {
   const auto source = TextSource::read(path);
   if (!source) return source.errors();
-  return parse(*source, toWorld, warnings);
+  return parse(*source, toWorld, warnings, faces);
 }
 
 Result<TriangleMesh> parseObj(const std::string& file, std::string text, const Transform<World, Object>& toWorld,
-                              Diagnostics& warnings) {
-  return parse(TextSource(file, std::move(text)), toWorld, warnings);
+                              Diagnostics& warnings, std::string_view faces) {
+  return parse(TextSource(file, std::move(text)), toWorld, warnings, faces);
 }
 
 }  // namespace aerosol::accel

@@ -78,7 +78,8 @@ std::string aovPage() {
     if (type.isListed) text += fmt::format("  {:<24} {:<4} {}\n", type.name, type.channels, type.doc);
   }
   text +=
-      "\nNAME=debug:OUTPUT shows what surface shaders give to an output: Ci += value * debug(\"OUTPUT\").\n"
+      "\nNAME=debug:OUTPUT shows what surface shaders give to an output: Ci += value * debug(\"OUTPUT\"); and of\n"
+      "volume shaders their output parameter of that name, where a path first scatters in their medium.\n"
       "\nNAME=EXPRESSION names a light path expression, in the notation of OSL: events from the camera to the light.\n"
       "  <TSL>  one event: T is C camera, R reflection, T transmission, V volume, L light, B background, O another\n"
       "         thing that shines; S is D diffuse, G glossy, S singular, s straight; L a 'label', the light_group of\n"

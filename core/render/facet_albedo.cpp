@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/render/fresnel.h"
 #include "core/render/grid_table.h"
@@ -52,16 +53,33 @@ struct Pair {
   friend Pair operator*(Pair a, float s) { return {a.reflected * s, a.transmitted * s}; }
 };
 
-Pair integrateBoundary(int count, const Microfacets& facets, float eta, Vector<Local> viewer) {
-  return overVisibleFacets(count, facets, viewer, [&](Vector<Local> h) {
-    Pair pair;
-    const float f = fresnelDielectric(dot(viewer, h), eta);
-    if (const Vector<Local> light = reflectAt(viewer, h); light.z > 0) {
-      pair.reflected = f * facetWeight(facets, viewer, h, light);
-    }
+/// Of what a coat with separate shadowing does to light: the mean over the facets that a viewer sees of `value(h)`,
+/// which says where their light goes and how much of it. A ratio of two sums: Beckmann's normals are drawn as if they
+/// were GGX's, and their weights add up to 1 but for noise.
+template <class Value>
+float coatMean(int count, const Microfacets& facets, Vector<Local> viewer, Value&& value) {
+  const Pair sums = overVisibleFacets(count, facets, viewer, [&](Vector<Local> h) {
+    const float drawn = facets.visibleDensity(viewer, h);
+    if (!(drawn > 0)) return Pair();
+    const float weight = facets.density(h) * std::max(dot(viewer, h), 0.0f) / drawn;
+    const std::pair<Vector<Local>, float> light = value(h);
+    return Pair{weight * light.second * (light.second > 0 ? facets.seen(light.first) : 0), weight};
+  });
+  return sums.transmitted > 0 ? sums.reflected / sums.transmitted : 0;
+}
+
+float integrateTransmission(int count, const Microfacets& facets, float eta, Vector<Local> viewer) {
+  return coatMean(count, facets, viewer, [&](Vector<Local> h) {
     const auto bent = refractAt(viewer, h, eta);
-    if (bent && bent->z < 0) pair.transmitted = (1 - f) * facetWeight(facets, viewer, h, *bent);
-    return pair;
+    const bool goesIn = bent && bent->z < 0;
+    return std::pair(goesIn ? *bent : viewer, goesIn ? 1 - fresnelDielectric(dot(viewer, h), eta) : 0.0f);
+  });
+}
+
+float integrateReflection(int count, const Microfacets& facets, float eta, Vector<Local> viewer) {
+  return coatMean(count, facets, viewer, [&](Vector<Local> h) {
+    const Vector<Local> light = reflectAt(viewer, h);
+    return std::pair(light, light.z > 0 ? fresnelDielectric(dot(viewer, h), eta) : 0.0f);
   });
 }
 
@@ -75,14 +93,6 @@ Pair integrateShares(int count, const Microfacets& facets, float eta, Vector<Loc
     const float f = fresnelDielectric(cosine, eta);
     const FacetFate fate(facets, second, eta, viewer, h);
     return Pair{f * fate.reflectionStays * weight, (1 - f) * fate.transmissionStays * weight};
-  });
-}
-
-/// The reflected part alone.
-float integrateReflection(const Microfacets& facets, float eta, Vector<Local> viewer) {
-  return overVisibleFacets(400, facets, viewer, [&](Vector<Local> h) {
-    const Vector<Local> light = reflectAt(viewer, h);
-    return light.z > 0 ? fresnelDielectric(dot(viewer, h), eta) * facetWeight(facets, viewer, h, light) : 0.0f;
   });
 }
 
@@ -129,13 +139,10 @@ struct CoatTable {
   GridTable<3> values;
 
   explicit CoatTable(Shape shape)
-      : values({32, 20, 8}, [&](std::array<float, 3> x) {
+      : values({40, 20, 16}, [&](std::array<float, 3> x) {
           const float alpha = alphaAt(x[1]);
-          // Beckmann's normals are drawn as if they were GGX's, and weighed.
-          const int count = shape == Shape::ggx ? 200 : 800;
-          return integrateBoundary(count, facetsOf(shape, alpha, alpha, true), etaAt(0.5f + 0.5f * x[2]),
-                                   viewerAt(cosineAt(x[0]), 0.3f))
-              .transmitted;
+          return integrateTransmission(240, facetsOf(shape, alpha, alpha, true), etaAt(0.5f + 0.5f * x[2]),
+                                       viewerAt(cosineAt(x[0]), 0.3f));
         }) {}
 };
 
@@ -145,13 +152,13 @@ struct InnerCoatTable {
   GridTable<2> values;
 
   explicit InnerCoatTable(Shape shape)
-      : values({12, 10}, [&](std::array<float, 2> x) {
+      : values({24, 40}, [&](std::array<float, 2> x) {
           constexpr int places = 64;
           const Microfacets facets = facetsOf(shape, alphaAt(x[0]), alphaAt(x[0]), true);
           float sum = 0;
           for (int i = 1; i < places; ++i) {
             const float cosine = static_cast<float>(i) / (places - 1);
-            sum += 2 * cosine * integrateReflection(facets, 1 / etaAt(0.5f + 0.5f * x[1]), viewerAt(cosine, 0.3f));
+            sum += 2 * cosine * integrateReflection(160, facets, 1 / etaAt(0.5f + 0.5f * x[1]), viewerAt(cosine, 0.3f));
           }
           return sum / places;
         }) {}

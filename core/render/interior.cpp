@@ -41,7 +41,7 @@ std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t obj
       interior.ior = p[8];
       if (p[9] != 0) interior.priority = static_cast<int>(p[9]);
     }
-    isDescribed = true;
+    isDescribed = interior.saysIndex = true;
     sum.sigmaT += sigmaT;
     sum.sigmaS += sigmaS;
     if (!isBlack(sigmaS) && sum.lobeCount < sum.lobes.size()) {

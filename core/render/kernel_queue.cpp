@@ -1,12 +1,15 @@
 #include "core/render/kernel_queue.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
 #include "core/base/hash.h"
+#include "core/render/aov/path_record.h"
 #include "core/render/coefficient_layout.h"
 #include "core/render/message_log.h"
 #include "core/render/prepared_scene.h"
@@ -71,7 +74,7 @@ void KernelQueues::prepareLayout(Queue& queue) const {
     prepareSurfaceLayout(queue);
     return;
   }
-  if (queue.variant == shading::Variant::velocity) return;
+  if (queue.variant == shading::Variant::velocity || queue.variant == shading::Variant::outputs) return;
   for (const jit::OutputComponent& output : outputs) {
     queue.destinations.push_back(coefficientOffset(output));
     const bool mayBeNegative =
@@ -148,8 +151,9 @@ void KernelQueues::push(const Question& question, const PathContext& path, Pendi
 void KernelQueues::pushMedium(const Question& question, const PathContext& path, Point<World> point,
                               PendingQuestion from) {
   const shading::InstanceRef shader = scene_.mediumShaders[question.medium->index];
-  Queue& queue = queueOf(shader, question.quantity == volume::Quantity::extinction ? shading::Variant::extinction
-                                                                                   : shading::Variant::coefficients);
+  Queue& queue = queueOf(shader, question.fact == MediumFact::outputs                ? shading::Variant::outputs
+                                 : question.quantity == volume::Quantity::extinction ? shading::Variant::extinction
+                                                                                     : shading::Variant::coefficients);
   queue.questions.push_back(from);
   pushPoint(queue, path, point, shader.index);
 }
@@ -172,6 +176,11 @@ void KernelQueues::moveQuestions(std::span<PathContext* const> paths) {
     const Question& question = path.questions()[running_[lane].question];
     const MediumVelocity& moves = *scene_.velocityOf(question.medium->index);
     const Vector<World> velocity(batch_.output(0)[lane], batch_.output(1)[lane], batch_.output(2)[lane]);
+    if (question.fact == MediumFact::velocity) {
+      paths[running_[lane].slot]->record->velocity() = velocity;
+      settled_.push_back(running_[lane]);
+      continue;
+    }
     Point<World> point = question.point - velocity * (moves.factor * (path.time() - moves.referenceTime));
     if (!std::isfinite(point.x + point.y + point.z)) [[unlikely]] {
       ++statistics_.invalidVelocities;
@@ -296,6 +305,27 @@ void KernelQueues::scatterSurfaces(const Queue& queue, std::span<PathContext* co
   }
 }
 
+/// A number is shown as grey, what is no number as black.
+void KernelQueues::scatterOutputs(std::span<PathContext* const> paths) {
+  const auto& components = batch_.interface().outputs;
+  for (std::size_t lane = 0; lane < running_.size(); ++lane) {
+    PathContext& path = *paths[running_[lane].slot];
+    const auto wanted = path.record->plan().outputsOf(*path.questions()[running_[lane].question].medium);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      std::array<float, 3> value{};
+      std::size_t count = 0;
+      for (std::size_t k = 0; k < components.size(); ++k) {
+        if (components[k].index != wanted[i].site) continue;
+        const bool isInteger = components[k].type == lang::BaseType::integer;
+        const float* const floats = batch_.output(k);
+        const float number = isInteger ? static_cast<float>(std::bit_cast<std::int32_t>(floats[lane])) : floats[lane];
+        value[count++] = std::isfinite(number) ? number : 0.0f;
+      }
+      path.record->shown(i) = count == 1 ? Color(value[0]) : Color(value[0], value[1], value[2]);
+    }
+  }
+}
+
 void KernelQueues::count(const Queue& queue, int points, int width, std::uint64_t nanoseconds) {
   ++statistics_.kernelCalls;
   statistics_.kernelPoints += static_cast<std::uint64_t>(points);
@@ -346,8 +376,10 @@ std::span<const PendingQuestion> KernelQueues::runFullest(std::span<PathContext*
     case shading::Variant::velocity:
       moveQuestions(paths);
       return settled_;
+    case shading::Variant::outputs:
+      scatterOutputs(paths);
+      break;
     case shading::Variant::displacement:  // Run before the first ray.
-    case shading::Variant::outputs:       // No scene makes these.
       break;
   }
   return running_;

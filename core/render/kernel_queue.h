@@ -69,6 +69,7 @@ class KernelQueues {
   void scatterExtinction(const Queue& queue, std::span<PathContext* const> paths);
   void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);
   void scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths);
+  void scatterOutputs(std::span<PathContext* const> paths);
   const std::optional<VolumeLook>& lookOf(const PathContext& path, const PendingQuestion& from) const;
   void checkCoefficients(volume::Coefficients& answer, std::uint32_t index, PathContext& path);
   void count(const Queue& queue, int points, int width, std::uint64_t nanoseconds);

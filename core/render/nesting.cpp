@@ -130,6 +130,7 @@ volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::Surf
   nesting.crossing = {.isHit = hasFree || !areOne(before, after),
                       .iorBefore = path.media.ior(),
                       .iorAfter = path.mediaBehind.ior(),
+                      .hasIndices = (before && before->saysIndex) || (after && after->saysIndex) || before == after,
                       .mediumAfter = path.mediaBehind.medium()};
   if (!nesting.crossing.isHit) co_return nesting;
   nesting.face = interfaceFace(path, before, after).hit;

@@ -38,6 +38,9 @@ class QuestionSink {
   virtual void post(PathContext& path) = 0;
 };
 
+/// What a question about a medium is after; all but coefficients is for the path's record.
+enum class MediumFact : std::uint8_t { coefficients, outputs, velocity };
+
 /// A question about one point. `medium` is set for volumes, otherwise `surface` names the shader instance.
 struct Question {
   const volume::Medium* medium = nullptr;
@@ -46,6 +49,7 @@ struct Question {
   shading::InstanceRef surface;
   const shading::ShadingPoint* surfacePoint = nullptr;  ///< Outlives the suspension.
   std::uint32_t rayTypes = shading::ray::camera;        ///< Of the ray on which the point lies.
+  MediumFact fact = MediumFact::coefficients;
 };
 
 /// Which sample of which pixel a path is for.
@@ -144,6 +148,13 @@ class PathContext {
     return Awaiter{*this};
   }
 
+  /// Asks for what AOVs show of a medium, and nothing beside it.
+  auto askAbout(const volume::Medium& medium, Point<World> point, MediumFact fact) {
+    ask(medium, point, volume::Quantity::coefficients);
+    questions_.back().fact = fact;
+    return answers();
+  }
+
   /// The closures of a surface at a point that stays valid until then.
   auto shade(shading::InstanceRef surface, const shading::ShadingPoint& point) {
     struct Awaiter {
@@ -160,7 +171,8 @@ class PathContext {
       }
     };
     beginQuestions();
-    questions_.push_back({nullptr, volume::Quantity::coefficients, {}, surface, &point, rayTypes_});
+    questions_.push_back(
+        {nullptr, volume::Quantity::coefficients, {}, surface, &point, rayTypes_, MediumFact::coefficients});
     return Awaiter{*this};
   }
 
@@ -173,7 +185,8 @@ class PathContext {
   /// The same for the extinction at several points.
   void prepareAnswers(const volume::Medium& medium, std::span<const Point<World>> points) {
     questions_.clear();
-    for (const Point<World>& p : points) questions_.push_back({&medium, volume::Quantity::extinction, p, {}, nullptr});
+    for (const Point<World>& p : points)
+      questions_.push_back({.medium = &medium, .quantity = volume::Quantity::extinction, .point = p});
     answers_.assign(points.size(), {});
   }
   std::span<const Question> questions() const { return questions_; }

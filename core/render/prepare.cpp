@@ -193,6 +193,7 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   bindDisplacements(state);
   bindLightTextures(state);
   placeMedia(state);
+  showOutputs(state);
   if (state.errors.hasErrors()) return fail(state);
   state.errors.append(
       state.scene->shading.compile(*state.options.compiler, {state.options.target, state.options.laneCounters}));

@@ -91,7 +91,7 @@ SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnsw
     if (!isSound[i] && !invalidSite_) invalidSite_ = i;
   }
   ClosurePoint point{-direction, hit.geometricNormal};
-  if (crossing) {
+  if (crossing && crossing->hasIndices) {
     point.iorNear = crossing->iorBefore;
     point.iorFar = crossing->iorAfter;
   }

@@ -357,6 +357,7 @@ struct Shape {
   ShapeType type = ShapeType::sphere;
   Placement<World, Object> toWorld;
   std::filesystem::path file;  ///< Of obj, ply, serialized and curves: an existing file.
+  std::string faces;           ///< Of obj: which of its faces, as accel::loadObj takes them; empty: all.
   int shapeIndex = 0;          ///< Of serialized: which of the meshes in the file.
   Point<Object> center;
   Point<Object> end{0, 0, 1};  ///< Of a cylinder.

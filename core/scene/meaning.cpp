@@ -118,8 +118,9 @@ class SceneBuilder {
   void readLightTexture(const Element& element, Emitter& emitter) {
     const bool isArea = emitter.type == EmitterType::area, isSpot = emitter.type == EmitterType::spot;
     const bool isProjector = emitter.type == EmitterType::projector;
-    const std::vector<std::string> tags =
-        isArea || isSpot || isProjector ? std::vector<std::string>{"texture"} : std::vector<std::string>{};
+    // In which medium a light is, shadow rays find out on the way there: what the scene says of it is only read.
+    std::vector<std::string> tags = {"medium"};
+    if (isArea || isSpot || isProjector) tags.emplace_back("texture");
     const Child texture = IdTable::single(ids_.children(element, tags, reporter_), "texture", reporter_);
     if (!texture.object) return;
     const std::string wanted = isArea ? "radiance" : isProjector ? "irradiance" : "texture";
@@ -185,7 +186,24 @@ class SceneBuilder {
   void readShape(const Element& element) {
     if (element.type == "shapegroup") return;  // An instance reads it.
     if (element.type == "instance") return readInstance(element);
+    if (element.type == "merge") return readMerged(element, scene_.shapes);
     scene_.shapes.push_back(shapeOf(element));
+  }
+
+  /// Shapes that another renderer makes one of; here each stays what it is.
+  void readMerged(const Element& element, std::vector<Shape>& shapes) {
+    Shape nothing;
+    readTyped(element, shapeTypes(), nothing);
+    for (const Child& child : ids_.children(element, {"shape"}, reporter_)) {
+      const std::string& type = child.object->type;
+      if (type == "merge") {
+        readMerged(*child.object, shapes);
+      } else if (type == "shapegroup" || type == "instance") {
+        reporter_.error(child.use->location, fmt::format("a shape '{}' cannot be merged", type));
+      } else {
+        shapes.push_back(shapeOf(*child.object));
+      }
+    }
   }
 
   void readInstance(const Element& element) {
@@ -229,6 +247,8 @@ class SceneBuilder {
       if (object.tag == "shape" && (object.type == "shapegroup" || object.type == "instance")) {
         reporter_.error(child.use->location,
                         fmt::format("a shape '{}' does not belong in a shapegroup: groups do not nest", object.type));
+      } else if (object.type == "merge" && object.tag == "shape") {
+        readMerged(object, group.shapes);
       } else if (object.tag == "shape") {
         group.shapes.push_back(shapeOf(object));
       } else if (auto volume = volumeOf(object)) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "core/scene/syntax.h"
@@ -93,6 +94,25 @@ std::vector<Field<Shape>> shapeFields(bool fromFile) {
                     [](Shape& shape, const Value& value) -> std::string {
                       shape.file = std::get<std::string>(value);
                       return shape.file.empty() ? "'filename' is empty" : "";
+                    }});
+  return fields;
+}
+
+std::vector<Field<Shape>> objFields() {
+  std::vector<Field<Shape>> fields = shapeFields(true);
+  fields.push_back({{.name = "faces",
+                     .type = ValueType::string,
+                     .doc = "usemtl NAME …: those of these materials of the file alone; o NAME …: those of objects or "
+                            "groups; with not before, all others",
+                     .defaultText = "all"},
+                    [](Shape& shape, const Value& value) -> std::string {
+                      std::istringstream words(std::get<std::string>(value));
+                      std::string kind, name;
+                      words >> kind;
+                      if (kind == "not") words >> kind;
+                      shape.faces = words.str();
+                      if ((kind == "usemtl" || kind == "o") && words >> name) return "";
+                      return "'faces' is usemtl or o with names behind it, and may begin with not";
                     }});
   return fields;
 }
@@ -390,7 +410,7 @@ const std::vector<TypeTable<Integrator>>& integratorTypes() {
 
 const std::vector<TypeTable<Shape>>& shapeTypes() {
   static const std::vector<TypeTable<Shape>> tables = {
-      shapeTable("obj", "a mesh in a Wavefront OBJ file", shapeFields(true)),
+      shapeTable("obj", "a mesh in a Wavefront OBJ file", objFields()),
       shapeTable("ply", "a mesh in a PLY file", shapeFields(true)),
       shapeTable("serialized", "one of the meshes in a file of Mitsuba's binary format, version 3 or 4",
                  serializedFields()),
@@ -408,7 +428,8 @@ const std::vector<TypeTable<Shape>>& shapeTypes() {
        .doc = "a group in another place: each has the materials, media and emitters of the group",
        .fields = {field<&Shape::toWorld>(
            {.name = "to_world", .doc = "the group's space to world", .defaultText = "identity"})},
-       .nested = "a shapegroup, or a ref to one"}};
+       .nested = "a shapegroup, or a ref to one"},
+      {.type = "merge", .doc = "shapes that Mitsuba makes one of; here each stays what it is", .nested = "shape"}};
   return tables;
 }
 

@@ -1,10 +1,16 @@
 #include "core/scene/world.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
 
+#include "core/scene/syntax.h"
 #include "core/scene/value.h"
 
 namespace aerosol::scene {
@@ -253,24 +259,27 @@ class WorldReader {
     }
     Element shader = object("bsdf", "osl", at(xml));
     shader.id = group_ = fmt::format("group {}", ++groupCount_);
+    if (const XmlAttribute* name = find(xml, "name"); name && !name->value.empty()) {
+      named_.emplace(name->value, group_);
+    }
     shader.code = std::move(code);
     tree_.scene.children.push_back(std::move(shader));
   }
 
-  /// A mention of the last shader group; nothing before the first, which is reported.
-  std::optional<Element> groupFor(const XmlElement& xml) {
-    if (group_.empty()) {
+  /// A mention of a shader group; nothing where there is none yet, which is reported.
+  std::optional<Element> groupFor(const XmlElement& xml, const std::string& group) {
+    if (group.empty()) {
       reporter_.error(at(xml), fmt::format("no <ShaderGroup> stands before this <{}>", xml.tag));
       return std::nullopt;
     }
     Element reference = object("ref", "", at(xml));
-    reference.id = group_;
+    reference.id = group;
     return reference;
   }
 
   void readBackground(const XmlElement& xml) {
     checkAttributes(xml, {"resolution"});
-    const auto group = groupFor(xml);
+    const auto group = groupFor(xml, group_);
     Element emitter = object("emitter", "background", at(xml));
     if (const auto resolution = numbers(xml, "resolution", 1, false)) {
       // Theirs is that of a table for sampling; what is seen should be finer.
@@ -282,10 +291,10 @@ class WorldReader {
     tree_.scene.children.push_back(std::move(emitter));
   }
 
-  void addShape(Element shape, const XmlElement& xml) {
-    const auto group = groupFor(xml);
-    if (!group) return;
-    shape.children.push_back(*group);
+  void addShape(Element shape, const XmlElement& xml, const std::string& group) {
+    const auto reference = groupFor(xml, group);
+    if (!reference) return;
+    shape.children.push_back(*reference);
     set(shape, "faces_viewer", "boolean", true, at(xml));
     tree_.scene.children.push_back(std::move(shape));
   }
@@ -300,7 +309,7 @@ class WorldReader {
     set(shape, "center", "point", Point<Unplaced>(f((*center)[0]), f((*center)[1]), f((*center)[2])),
         placeOf(xml, "center"));
     set(shape, "radius", "float", f(radius->front()), placeOf(xml, "radius"));
-    addShape(std::move(shape), xml);
+    addShape(std::move(shape), xml, group_);
   }
 
   void readQuad(const XmlElement& xml) {
@@ -320,9 +329,11 @@ class WorldReader {
     }
     Element shape = object("shape", "rectangle", at(xml));
     set(shape, "to_world", "transform", matrixOf(half[0], half[1], unit(normal), middle), at(xml));
-    addShape(std::move(shape), xml);
+    addShape(std::move(shape), xml, group_);
   }
 
+  /// Its faces have the groups that their materials name; where it has none of these, the groups that its objects name;
+  /// all others the group before it.
   void readModel(const XmlElement& xml) {
     checkAttributes(xml, {"filename"});
     const XmlAttribute* file = find(xml, "filename");
@@ -330,18 +341,72 @@ class WorldReader {
       reporter_.error(at(xml), "<Model> lacks 'filename'");
       return;
     }
-    const SourceLocation place = source_.at(file->valueOffset);
+    addModel(xml, *file, {}, group_);
+    const ObjNames names = readObjNames(file->value);
+    const auto ofGroups = [&](const std::vector<std::string>& all) {
+      std::vector<std::string> found;
+      std::ranges::copy_if(all, std::back_inserter(found), [&](const std::string& n) { return named_.contains(n); });
+      return found;
+    };
+    const std::vector<std::string> materials = ofGroups(names.materials), objects = ofGroups(names.objects);
+    if (group_.empty() || (materials.empty() && objects.empty())) return;
+    const std::vector<std::string>& parts = materials.empty() ? objects : materials;
+    const std::string kind = materials.empty() ? "o" : "usemtl";
+    Element& rest = tree_.scene.children.back();
+    const bool hasRest = parts.size() < (materials.empty() ? names.objects : names.materials).size();
+    if (hasRest) {
+      set(rest, "faces", "string", fmt::format("not {} {}", kind, fmt::join(parts, " ")), at(xml));
+    } else {
+      tree_.scene.children.pop_back();
+    }
+    for (const std::string& part : parts) addModel(xml, *file, fmt::format("{} {}", kind, part), named_.at(part));
+  }
+
+  /// The model, or those of its faces, with a group.
+  void addModel(const XmlElement& xml, const XmlAttribute& file, std::string faces, const std::string& group) {
+    const SourceLocation place = source_.at(file.valueOffset);
     Element shape = object("shape", "obj", at(xml));
-    set(shape, "filename", "string", file->value, place);
+    set(shape, "filename", "string", file.value, place);
     set(shape, "flip_tex_coords", "boolean", false, place);
-    addShape(std::move(shape), xml);
+    if (!faces.empty()) set(shape, "faces", "string", std::move(faces), place);
+    addShape(std::move(shape), xml, group);
+  }
+
+  struct ObjNames {
+    std::vector<std::string> materials, objects;  ///< Each once; empty for faces that come before any.
+  };
+  /// The names that faces of the file come under. Nothing where it cannot be read, which is reported later.
+  ObjNames readObjNames(const std::string& name) const {
+    ObjNames names;
+    if (named_.empty()) return names;
+    const auto path = findFile(name, source_.directory(), {});
+    std::ifstream file(path.value_or(std::filesystem::path()));
+    std::string line, word, material, object;
+    const auto note = [](std::vector<std::string>& list, const std::string& each) {
+      if (std::ranges::find(list, each) == list.end()) list.push_back(each);
+    };
+    while (path && std::getline(file, line)) {
+      std::istringstream words(line);
+      words >> word;
+      if (line.empty() || words.fail()) continue;
+      if (word == "usemtl" || word == "o" || word == "g") {
+        std::string& current = word == "usemtl" ? material : object;
+        current.clear();
+        words >> current;
+      } else if (word == "f") {
+        note(names.materials, material);
+        note(names.objects, object);
+      }
+    }
+    return names;
   }
 
   const SourceText& source_;
   Reporter& reporter_;
   SceneTree tree_;
   Element sensor_, integrator_;
-  std::string group_;  ///< Id of the last shader group.
+  std::string group_;                         ///< Id of the last shader group.
+  std::map<std::string, std::string> named_;  ///< Ids of groups by their names.
   int groupCount_ = 0;
 };
 

@@ -51,6 +51,11 @@ bool ShadingSystem::setVelocity(InstanceRef instance, const std::string& output)
   return true;
 }
 
+void ShadingSystem::showOutput(InstanceRef instance, std::uint32_t parameter) {
+  std::vector<std::uint32_t>& shown = families_[instance.family].shownOutputs;
+  if (std::ranges::count(shown, parameter) == 0) shown.push_back(parameter);
+}
+
 namespace {
 
 /// Parameters with one value in all instances. Bits decide, so that -0 and 0 stay apart.
@@ -101,7 +106,8 @@ std::vector<lang::Output> outputsOf(const Family& family, Variant variant) {
         wanted = output.kind == OutputKind::siteWeight || output.kind == OutputKind::siteParameter;
         break;
       case Variant::outputs:
-        wanted = output.kind == OutputKind::parameter;
+        wanted = output.kind == OutputKind::parameter &&
+                 (family.shownOutputs.empty() || std::ranges::count(family.shownOutputs, output.index) > 0);
         break;
       case Variant::velocity:
         wanted = output.kind == OutputKind::parameter && program.parameters[output.index].name == family.velocityOutput;
@@ -188,7 +194,10 @@ jit::KernelRequest requestFor(const Family& family, Variant variant, const Shadi
   request.folded = foldedParameters(family);
   request.severalInstances = family.instances.size() > 1 || family.moves();
   request.counters = options.counters;
-  request.messages = variant != Variant::extinction && variant != Variant::velocity;
+  // What a medium says at a point is said once.
+  const bool isBeside = variant == Variant::extinction || variant == Variant::velocity ||
+                        (variant == Variant::outputs && !options.outputsAlone);
+  request.messages = !isBeside;
   request.target = options.target;
   return request;
 }
@@ -217,9 +226,9 @@ Diagnostics ShadingSystem::compile(jit::Compiler& compiler, const ShadingOptions
   std::vector<Job> jobs;
   for (Family& family : families_) {
     if (!family.velocityOutput.empty()) jobs.push_back({&family, Variant::velocity, {}});
-    if (options.outputsAlone) {
-      jobs.push_back({&family, Variant::outputs, {}});
-    } else if (family.program->isVolume()) {
+    if (options.outputsAlone || !family.shownOutputs.empty()) jobs.push_back({&family, Variant::outputs, {}});
+    if (options.outputsAlone) continue;
+    if (family.program->isVolume()) {
       jobs.push_back({&family, Variant::coefficients, {}});
       jobs.push_back({&family, Variant::extinction, {}});
     } else if (family.program->kind == "displacement") {

@@ -23,7 +23,7 @@ enum class Variant : std::uint8_t {
   coefficients,  ///< Volumes: everything.
   extinction,    ///< Volumes: sigmaT alone, for shadow rays; no messages.
   surface,       ///< Surfaces: weights and parameters of all closure sites.
-  outputs,       ///< Any shader: its output parameters. Made only when asked for.
+  outputs,       ///< Any shader: its output parameters, or some of them. Made only when asked for.
   velocity,      ///< The output parameter that Family::velocityOutput names. Made only where it names one.
   displacement,  ///< Displacement shaders: where the surface is, and its normal.
 };
@@ -62,6 +62,7 @@ struct Family {
   std::array<std::optional<jit::Kernel>, variantCount> kernels;
   std::optional<jit::Kernel> bounds;          ///< Volumes: all results over ranges (core/shading/bounds.h).
   std::string velocityOutput;                 ///< A triple; empty: nobody asks for one.
+  std::vector<std::uint32_t> shownOutputs;    ///< Parameters of Variant::outputs; empty: nobody asks for any.
   std::optional<jit::Kernel> velocityBounds;  ///< The same of the velocity.
   std::vector<unsigned char>
       instanceData;  ///< Blocks of all instances, shared by the variants. 64-byte aligned use is not assumed.
@@ -97,6 +98,8 @@ class ShadingSystem {
   /// Asks for a kernel of an instance's velocity, before `compile`. False when another output of its family is asked
   /// for already.
   bool setVelocity(InstanceRef instance, const std::string& output);
+  /// Asks for an output parameter of an instance by Variant::outputs, before `compile`.
+  void showOutput(InstanceRef instance, std::uint32_t parameter);
   /// Makes an instance move, before `compile`.
   void setMotion(InstanceRef instance, const MovingTransform<World, Object>& motion) {
     families_[instance.family].instances[instance.index].motion.emplace(motion);

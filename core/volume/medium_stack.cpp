@@ -67,6 +67,7 @@ Crossing MediumStack::judge(const Interior& interior, bool entering) const {
   Crossing crossing;
   crossing.iorBefore = iorOf(before);
   crossing.iorAfter = iorOf(after);
+  crossing.hasIndices = interior.saysIndex || before == after;
   crossing.mediumAfter = after ? mediumOf(*after) : nullptr;
   if (!interior.priority) return crossing;
   const Interior& own = known ? known->interior : interior;

@@ -15,6 +15,7 @@ struct Interior {
   std::uint32_t object = 0;       ///< The surface; its crossings are counted by it.
   std::optional<int> priority;    ///< None: off. Every crossing of the surface is a hit.
   float ior = 1;                  ///< Index of refraction.
+  bool saysIndex = false;         ///< A closure told it; else the surface's own closures say how light is bent.
   const Medium* scene = nullptr;  ///< A medium of the scene; null: `own` if it is set, else empty space.
   std::optional<Medium> own;      ///< A medium that the material's closure describes.
   bool clipsVolumes = false;      ///< Where this interior rules there are no volume primitives either.
@@ -43,6 +44,7 @@ struct StackStatistics {
 struct Crossing {
   bool isHit = true;  ///< False: the surface is inside something stronger; the ray goes on as if it were not there.
   float iorBefore = 1, iorAfter = 1;
+  bool hasIndices = true;               ///< These count; false: the surface's closures have their own.
   const Medium* mediumAfter = nullptr;  ///< Behind it; null in empty space. In the stack, or in the interior judged.
 };
 

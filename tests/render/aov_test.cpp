@@ -417,6 +417,56 @@ TEST(Aovs, ShadersShowWhatTheyLike) {
   EXPECT_NEAR(beauty(*film)[0], beauty(*without)[0], 0.02);
 }
 
+/// What a volume shader gives to an output parameter, where the path first scatters: its share of what is seen. A
+/// surface behind it may show the same.
+TEST(Aovs, VolumeShadersGiveOutputs) {
+  const TestScene scene =
+      aovScene("heat:debug:heat,place:debug:place,n:debug:steps", "", {.fov = 1, .width = 2, .height = 2},
+               R"(<emitter type="constant"/>
+      <shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/><translate z="3"/></transform>
+        <bsdf type="osl"><source>surface s() { Ci = 0.5 * diffuse(N) + 10 * debug("heat"); }</source></bsdf></shape>
+      <volume type="box"><transform name="to_world"><scale z="0.5"/></transform>
+        <medium type="osl"><source><![CDATA[volume v(output float heat = 0, output vector place = 0, output int steps = 0) {
+          heat = 4; place = vector(2, 0, -1); steps = P[2] > 10 ? 5 : 3;
+          Ci = 1.2 * anisotropic_vdf(color(0.5), color(1), 0); }]]></source></medium></volume>)");
+  ASSERT_TRUE(scene.scene());
+  const auto film = scene.render(4096);
+  const double through = std::exp(-1.2), seen = 0.5 * (1 - through);
+  EXPECT_NEAR(layer(*film, "heat")[0], 4 * seen + 10 * through, 0.2);
+  EXPECT_NEAR(layer(*film, "place")[0], 2 * seen, 0.03);
+  EXPECT_NEAR(layer(*film, "place")[2], -seen, 0.015);
+  EXPECT_NEAR(layer(*film, "n")[1], 3 * seen, 0.045);
+}
+
+/// By its volume's animation, by a velocity, and by both against each other; a wall behind stands still.
+TEST(Aovs, MotionOfMedia) {
+  const auto motionOf = [](const std::string& place, const std::string& velocity) {
+    const TestScene scene =
+        aovScene("m:visible_motion", "", {.fov = 20, .width = 9, .height = 9, .medium = shutter(0, 1)},
+                 R"(<emitter type="constant"/><volume type="box">)" + place + velocity +
+                     R"(<medium type="osl"><source><![CDATA[volume v(output vector drift = 0) {
+        drift = vector(-0.1, 0.05, 0); Ci = 300 * anisotropic_vdf(color(0.8), color(1), 0); }]]></source></medium>
+      </volume>)");
+    EXPECT_TRUE(scene.scene());
+    if (!scene.scene()) return std::array{0.0, 0.0};
+    const std::vector<float> pixels = layer(*scene.render(64), "m");
+    return std::array{static_cast<double>(pixels[80]), static_cast<double>(pixels[81])};
+  };
+  const std::string still = R"(<transform name="to_world"><scale value="2"/><translate z="2"/></transform>)";
+  const std::string moving = R"(<animation name="to_world"><transform time="0"><scale value="2"/><translate z="2"/>
+      </transform><transform time="1"><scale value="2"/><translate x="-0.2" y="0.1" z="2"/></transform></animation>)";
+  const std::string carried = R"(<string name="velocity" value="drift"/><float name="reference_time" value="0.3"/>)";
+  // The face that is seen is at distance 5, and the camera's right is -x.
+  const double pixels = 9 / (2 * 5 * std::tan(10 * M_PI / 180));
+  const auto byPlace = motionOf(moving, ""), byVelocity = motionOf(still, carried), byBoth = motionOf(moving, carried);
+  EXPECT_NEAR(byPlace[0], 0.2 * pixels, 0.01 * pixels);
+  EXPECT_NEAR(byPlace[1], -0.1 * pixels, 0.01 * pixels);
+  EXPECT_NEAR(byVelocity[0], 0.1 * pixels, 0.01 * pixels);
+  EXPECT_NEAR(byVelocity[1], -0.05 * pixels, 0.01 * pixels);
+  EXPECT_NEAR(byBoth[0], 0.3 * pixels, 0.01 * pixels);
+  EXPECT_NEAR(motionOf(still, "")[0], 0, 1e-6);
+}
+
 /// A wall that covers the left half, with a window; fog hides a part of it, by its transmittance.
 TEST(Aovs, MattesSayHowMuchIsSeenOfEachThing) {
   const TestScene scene =

@@ -100,6 +100,29 @@ TEST(MediumBoundaries, GlassInFogLeavesItAsItIs) {
 }
 
 /// A mesh may have shells within shells: each is entered and left.
+/// Boundaries that say nothing of their inside bend light by their own indices, also where the paths keep a stack of
+/// media: a ball of dye, as scenes of other renderers have it, alone and in a room of the thinnest fog.
+TEST(MediumBoundaries, DielectricsInFogBendLightByThemselves) {
+  const std::string dye = R"(<shape type="sphere"><bsdf type="{}"><float name="int_ior" value="1.5"/></bsdf>
+      <medium name="interior" type="homogeneous"><rgb name="sigma_t" value="0.3, 0.6, 0.9"/><float name="albedo" value="0"/>
+      </medium></shape><emitter type="envmap"><string name="filename" value="{}"/></emitter>)";
+  const std::string fog = R"(<shape type="cube"><transform name="to_world"><scale value="9"/></transform>
+      <bsdf type="null"/><medium name="interior" type="homogeneous"><float name="sigma_t" value="1e-6"/>
+      <float name="albedo" value="0"/></medium></shape>)";
+  const ScratchFolder folder;
+  const std::string map = (folder.path() / "halves.ppm").string();
+  std::ofstream(map) << "P3 2 2 255 255 0 0  0 0 255  0 255 0  255 255 255";
+  for (const char* material : {"dielectric", "roughdielectric"}) {
+    const std::string content = fmt::format(fmt::runtime(dye), material, map);
+    const TestScene alone = loadScene(manyBounces, {.fov = 35}, content);
+    const TestScene within = loadScene(manyBounces, {.fov = 35, .seed = 1}, content + fog);
+    ASSERT_TRUE(alone.scene() && within.scene());
+    EXPECT_FALSE(alone.scene()->nestsMedia.isCalledFor());
+    EXPECT_TRUE(within.scene()->nestsMedia.isCalledFor());
+    EXPECT_TRUE(showTheSame(*alone.render(512), *within.render(512))) << material;
+  }
+}
+
 TEST(MediumBoundaries, ShellsOfOneMeshWithinEachOther) {
   const ScratchFolder folder;
   const std::string file = (folder.path() / "shells.obj").string();

@@ -10,7 +10,8 @@ namespace aerosol::render {
 namespace {
 
 bool isWeighted(AovFeature feature) {
-  return feature == AovFeature::visibleDepth || feature == AovFeature::halfA || feature == AovFeature::halfB;
+  return feature == AovFeature::visibleDepth || feature == AovFeature::visibleMotion || feature == AovFeature::halfA ||
+         feature == AovFeature::halfB;
 }
 
 /// Gathers slots as requests come in, each thing once.
@@ -170,11 +171,15 @@ class PlanBuilder {
   void addOutput(const scene::AovRequest& request, const std::string& name) {
     needPaths(request);
     std::vector<std::string> known;
-    for (const AovScene::Output& output : scene_.outputs) {
-      if (std::find(known.begin(), known.end(), output.name) == known.end()) known.push_back(output.name);
+    for (const auto* outputs : {&scene_.outputs, &scene_.mediumOutputs}) {
+      for (const AovScene::Output& output : *outputs) {
+        if (std::find(known.begin(), known.end(), output.name) == known.end()) known.push_back(output.name);
+      }
     }
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      const std::string what = known.empty() ? "no shader of the scene calls debug()" : "known are: " + joined(known);
+      const std::string what =
+          known.empty() ? "no surface shader of the scene calls debug(), and no volume shader has such an output"
+                        : "known are: " + joined(known);
       errors_.error(request.location, "no shader has the output '" + name + "'", {what});
       return;
     }
@@ -186,6 +191,11 @@ class PlanBuilder {
       if (output.name != name) continue;
       if (plan_->outputs.size() <= output.object) plan_->outputs.resize(output.object + 1);
       plan_->outputs[output.object].push_back({output.site, layer.first});
+    }
+    for (const AovScene::Output& output : scene_.mediumOutputs) {
+      if (output.name != name) continue;
+      if (plan_->mediumOutputs.size() <= output.object) plan_->mediumOutputs.resize(output.object + 1);
+      plan_->mediumOutputs[output.object].push_back({output.site, layer.first});
     }
     square(request, layer);
   }

@@ -14,6 +14,7 @@
 #include "core/render/aov/aov_table.h"
 #include "core/render/aov/light_path_automaton.h"
 #include "core/scene/description.h"
+#include "core/volume/medium.h"
 
 namespace aerosol::render {
 
@@ -45,12 +46,17 @@ struct AovPlan {
   struct OutputSlot {
     std::uint32_t site = 0, slot = 0;
   };
-  std::vector<std::vector<OutputSlot>> outputs;  ///< By object: closure sites whose weights are shown.
+  std::vector<std::vector<OutputSlot>> outputs;        ///< By object: closure sites whose weights are shown.
+  std::vector<std::vector<OutputSlot>> mediumOutputs;  ///< By medium: parameters of its shader that are shown.
   std::uint32_t matteWeightSlot = 0;
   std::vector<std::optional<MovingTransform<World, Object>>> objectMotions;  ///< By object, for motion vectors.
 
   PathSymbol symbol(PathEvent event, std::size_t label = 0) const { return symbolOf(event, label, labelCount); }
   bool wants(AovFeature feature) const;
+  std::span<const OutputSlot> outputsOf(const volume::Medium& medium) const {
+    return medium.index < mediumOutputs.size() ? std::span<const OutputSlot>(mediumOutputs[medium.index])
+                                               : std::span<const OutputSlot>();
+  }
 };
 
 /// Of the lights and objects of a scene, in the order of preparation, what the plan needs to know.
@@ -69,6 +75,7 @@ struct AovScene {
     std::string name;
   };
   std::vector<Output> outputs;                    ///< What shaders show by `debug`.
+  std::vector<Output> mediumOutputs;              ///< By medium instead of object: its shader's output parameters.
   std::vector<std::string> closureLabels;         ///< That shaders give to closures; may come several times.
   std::vector<Thing> objectThings, mediumThings;  ///< By object, and by medium.
   bool tracesPaths = true;  ///< The integrator follows light paths, rather than showing distances.

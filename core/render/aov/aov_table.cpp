@@ -62,6 +62,9 @@ std::span<const AovType> aovTypes() {
       feature("visible_normal", F::visibleNormal, "XYZ",
               "there: the normal; in media, away from where they are denser"),
       feature("visible_depth", F::visibleDepth, "T", "mean distance to there, of what is seen"),
+      feature("visible_motion", F::visibleMotion, "XY",
+              "mean of the pixels by which what is seen moves in the picture while the shutter is open, media as well "
+              "as surfaces: with their volumes, and by their velocities"),
       feature("half_a", F::halfA, "RGB", "the picture by one half of the samples"),
       feature("half_b", F::halfB, "RGB", "the picture by the other half"),
       {.name = "error", .kind = AovKind::standardError, .channels = "RGB", .doc = "standard error of the picture"},

@@ -29,6 +29,7 @@ enum class AovFeature : std::uint8_t {
   visibleAlbedo,
   visibleNormal,
   visibleDepth,
+  visibleMotion,
   // Of the picture and of its making.
   halfA,
   halfB,
@@ -39,7 +40,7 @@ enum class AovFeature : std::uint8_t {
 /// Whether it is found by a ray of its own.
 constexpr bool isOfFirstHit(AovFeature feature) { return feature <= AovFeature::motion; }
 constexpr bool isOfFirstSeen(AovFeature feature) {
-  return feature >= AovFeature::visibleAlbedo && feature <= AovFeature::visibleDepth;
+  return feature >= AovFeature::visibleAlbedo && feature <= AovFeature::visibleMotion;
 }
 
 enum class AovKind : std::uint8_t {

@@ -1,47 +1,16 @@
 #include "core/render/aov/first_hit.h"
 
 #include <array>
-#include <cmath>
 #include <limits>
 
 #include "core/render/aov/path_record.h"
+#include "core/render/aov/seen_motion.h"
 #include "core/render/prepared_scene.h"
 #include "core/render/surface_closures.h"
 
 namespace aerosol::render {
 
 namespace {
-
-/// Where the camera of a time sees a point, in pixels from the film's upper left corner; nothing behind it.
-std::optional<std::array<double, 2>> seenAt(const Camera& camera, Point<World> point, float time) {
-  const Point<aerosol::Camera> p = camera.toWorld(time).inverse()(point);
-  const shading::CameraProjection projection = camera.projection();
-  const auto apply = [](const Matrix4& m, const std::array<double, 4>& v) {
-    std::array<double, 4> result{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = 0; j < 4; ++j) result[i] += m[i][j] * v[j];
-    }
-    return result;
-  };
-  auto screen =
-      apply(projection.toScreen, {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z), 1});
-  if (!(screen[3] > 0)) return {};
-  for (double& value : screen) value /= screen[3];
-  const auto ndc = apply(projection.screenToNdc, screen);
-  return std::array{ndc[0] * projection.width, ndc[1] * projection.height};
-}
-
-std::array<float, 2> motionOf(const PathContext& path, const accel::SurfaceHit& hit, float time) {
-  const PreparedScene& scene = path.scene();
-  const auto& motion = path.record->plan().objectMotions[hit.object];
-  const auto at = [&](float when) {
-    const Point<World> then = motion ? motion->at(when)(motion->at(time).inverse()(hit.point)) : hit.point;
-    return seenAt(*scene.camera, then, when);
-  };
-  const auto from = at(scene.shutter.open), to = at(scene.shutter.close);
-  if (!from || !to) return {};
-  return {static_cast<float>((*to)[0] - (*from)[0]), static_cast<float>((*to)[1] - (*from)[1])};
-}
 
 template <class Three>
 std::array<float, 3> threeOf(const Three& v) {

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "core/render/aov/seen_motion.h"
+#include "core/render/prepared_scene.h"
+
 namespace aerosol::render {
 
 volume::Task<> seeMedium(PathContext& path, const volume::Medium& medium, Point<World> point, float distance,
@@ -30,16 +33,30 @@ volume::Task<> seeMedium(PathContext& path, const volume::Medium& medium, Point<
     const float steepness = length(thinner);
     if (steepness > 0 && std::isfinite(steepness)) seen.normal = Normal<World>(thinner / steepness);
   }
+  if (record.plan().wants(AovFeature::visibleMotion)) {
+    Vector<World> velocity;
+    if (path.scene().velocityOf(medium.index)) {
+      co_await path.askAbout(medium, point, MediumFact::velocity);
+      velocity = record.velocity();
+    }
+    seen.motion = motionOf(path, medium, point, path.time(), velocity);
+  }
   record.see(seen);
+  const auto outputs = record.plan().outputsOf(medium);
+  if (outputs.empty()) co_return;
+  co_await path.askAbout(medium, point, MediumFact::outputs);
+  for (std::size_t i = 0; i < outputs.size(); ++i) record.addValue(outputs[i].slot, throughput * record.shown(i));
 }
 
 void seeSurface(PathContext& path, const ClosureMix& closures, const accel::SurfaceHit& hit, float distance,
                 Color throughput) {
   if (path.record->hasSeen()) return;
+  const bool showsMotion = path.record->plan().wants(AovFeature::visibleMotion);
   path.record->see({.weight = throughput,
                     .albedo = closures.albedo(),
                     .normal = hit.shadingNormal,
                     .distance = distance,
+                    .motion = showsMotion ? motionOf(path, hit, path.time()) : std::array<float, 2>{},
                     .index = hit.object});
   const auto& outputs = path.record->plan().outputs;
   if (hit.object >= outputs.size()) return;

@@ -89,6 +89,8 @@ void PathRecord::see(const Seen& seen) {
     } else if (slot.feature == AovFeature::visibleNormal) {
       const Vector<World> normal = seen.normal.vector() * weight;
       set(slot.slot, std::array{normal.x, normal.y, normal.z});
+    } else if (slot.feature == AovFeature::visibleMotion) {
+      set(slot.slot, std::array{seen.motion[0] * weight, seen.motion[1] * weight, weight});
     } else {
       set(slot.slot, std::array{seen.distance * weight, weight});
     }

@@ -1,6 +1,7 @@
 // What one path gathers for AOVs while it is traced.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -65,12 +66,20 @@ class PathRecord {
   struct Seen {
     Color weight, albedo;
     Normal<World> normal;
-    float distance = 0;  ///< From where the camera's ray begins.
+    float distance = 0;             ///< From where the camera's ray begins.
+    std::array<float, 2> motion{};  ///< In pixels, where it is asked for.
     bool isMedium = false;
     std::uint32_t index = 0;  ///< Of the object, or of the medium.
   };
   bool hasSeen() const { return hasSeen_; }
   void see(const Seen& seen);
+
+  // What shaders of media are asked for this record, between question and answer:
+  Color& shown(std::size_t i) {
+    if (shown_.size() <= i) shown_.resize(i + 1);
+    return shown_[i];
+  }
+  Vector<World>& velocity() { return velocity_; }
 
   void addValue(std::uint32_t slot, Color value) {
     for (int c = 0; c < 3; ++c) values_[slot + static_cast<std::uint32_t>(c)] += value[c];
@@ -110,6 +119,8 @@ class PathRecord {
   bool hasSeen_ = false, sawMedium_ = false;
   std::uint32_t seenIndex_ = 0;
   float seenWeight_ = 0, seenDistance_ = 0;
+  std::vector<Color> shown_;
+  Vector<World> velocity_;
   std::optional<DeepRecord> deep_;
 };
 

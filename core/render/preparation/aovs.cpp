@@ -47,6 +47,26 @@ void nameThings(const Preparation& state, AovScene& scene) {
   }
 }
 
+/// A shader's outputs that can be shown: numbers and triples. Those of layers also by their names without the layer's.
+template <class Found>
+void forOutputs(const lang::Program& program, Found&& found) {
+  for (std::uint32_t i = 0; i < program.parameters.size(); ++i) {
+    const lang::Parameter& parameter = program.parameters[i];
+    const bool isNumber = parameter.type.isTriple() || parameter.type.base == lang::BaseType::floating ||
+                          parameter.type.base == lang::BaseType::integer;
+    if (!parameter.isOutput || !isNumber || parameter.type.isArray()) continue;
+    found(i, parameter.name);
+    if (const std::size_t dot = parameter.name.find('.'); dot != std::string::npos)
+      found(i, parameter.name.substr(dot + 1));
+  }
+}
+
+std::vector<scene::AovRequest> requestsOf(const Preparation& state) {
+  std::vector<scene::AovRequest> requests = state.description.integrator.aovs;
+  requests.insert(requests.end(), state.options.aovs.begin(), state.options.aovs.end());
+  return requests;
+}
+
 /// Emitters of the scene come first among the lights, then those of shapes, then media.
 AovScene describeSources(const Preparation& state) {
   const LightSet& lights = state.scene->lights;
@@ -65,6 +85,12 @@ AovScene describeSources(const Preparation& state) {
   for (std::uint32_t i = 0; i < state.scene->objects.size(); ++i) {
     for (const auto& [site, name] : state.scene->objects[i].outputs) sources.outputs.push_back({i, site, name});
     for (const auto& [site, name] : state.scene->objects[i].labelNames) sources.closureLabels.push_back(name);
+  }
+  for (std::uint32_t i = 0; i < state.scene->mediumShaders.size(); ++i) {
+    const lang::Program& program = *state.scene->shading.family(state.scene->mediumShaders[i]).program;
+    forOutputs(program, [&](std::uint32_t parameter, const std::string& name) {
+      sources.mediumOutputs.push_back({i, parameter, name});
+    });
   }
   while (sources.lights.size() < lights.size()) add({});
   return sources;
@@ -85,9 +111,19 @@ void numberLabels(PreparedScene& scene, const AovPlan& plan) {
 
 }  // namespace
 
+void showOutputs(Preparation& state) {
+  for (const scene::AovRequest& request : requestsOf(state)) {
+    if (!request.quantity.starts_with("debug:")) continue;
+    for (const shading::InstanceRef shader : state.scene->mediumShaders) {
+      forOutputs(*state.scene->shading.family(shader).program, [&](std::uint32_t parameter, const std::string& name) {
+        if (request.quantity.substr(6) == name) state.scene->shading.showOutput(shader, parameter);
+      });
+    }
+  }
+}
+
 void decideAovs(Preparation& state) {
-  std::vector<scene::AovRequest> requests = state.description.integrator.aovs;
-  requests.insert(requests.end(), state.options.aovs.begin(), state.options.aovs.end());
+  const std::vector<scene::AovRequest> requests = requestsOf(state);
   const int slices = state.options.deepSlices;
   if (requests.empty() && slices == 0) return;
   auto plan = planAovs(requests, describeSources(state));
@@ -106,7 +142,7 @@ void decideAovs(Preparation& state) {
     layout.deep.firstSlot = layout.width;
     layout.width += layout.deep.width();
   }
-  if ((*plan)->wants(AovFeature::motion)) {
+  if ((*plan)->wants(AovFeature::motion) || (*plan)->wants(AovFeature::visibleMotion)) {
     for (const scene::Shape& shape : state.description.shapes) {
       auto& motion = (*plan)->objectMotions.emplace_back();
       if (auto moving = state.motionOf(shape.toWorld)) motion.emplace(std::move(moving));

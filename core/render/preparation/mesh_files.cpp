@@ -11,7 +11,8 @@ namespace {
 Result<accel::TriangleMesh> read(const scene::Shape& shape, Diagnostics& warnings) {
   const std::string file = shape.file.string();
   if (shape.type == scene::ShapeType::serialized) return accel::loadSerialized(file, shape.shapeIndex, {});
-  return shape.type == scene::ShapeType::obj ? accel::loadObj(file, {}, warnings) : accel::loadPly(file, {}, warnings);
+  return shape.type == scene::ShapeType::obj ? accel::loadObj(file, {}, warnings, shape.faces)
+                                             : accel::loadPly(file, {}, warnings);
 }
 
 /// Triangles that are saved above which a mesh is shared.

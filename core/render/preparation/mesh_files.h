@@ -30,12 +30,14 @@ class MeshFiles {
                                    Diagnostics& warnings);
 
  private:
-  using Key = std::tuple<scene::ShapeType, std::string, int>;
+  using Key = std::tuple<scene::ShapeType, std::string, std::string, int>;
   struct Entry {
     std::size_t uses = 0;  ///< To come.
     std::optional<Result<accel::TriangleMesh>> mesh;
   };
-  static Key keyOf(const scene::Shape& shape) { return {shape.type, shape.file.string(), shape.shapeIndex}; }
+  static Key keyOf(const scene::Shape& shape) {
+    return {shape.type, shape.file.string(), shape.faces, shape.shapeIndex};
+  }
 
   /// And what is done to its vertices: face normals, flipped normals, flipped texture coordinates.
   using SharedKey = std::tuple<Key, bool, bool, bool>;

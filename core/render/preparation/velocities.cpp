@@ -89,8 +89,11 @@ void placeVelocity(Preparation& state, const scene::Volume& volume, std::uint32_
     shader = *bound;
   }
   const std::string output = blur.grid.empty() ? blur.output : "velocity";
+  // Outputs of layers have the layer's name before theirs, which may be left out.
   const lang::Program& program = *state.scene->shading.family(shader).program;
-  const auto isMeant = [&](const lang::Parameter& p) { return p.isOutput && p.name == output; };
+  const auto isMeant = [&](const lang::Parameter& p) {
+    return p.isOutput && (p.name == output || p.name.ends_with("." + output));
+  };
   const auto found = std::ranges::find_if(program.parameters, isMeant);
   if (found == program.parameters.end() || found->type.isArray() || !found->type.isTriple()) {
     Diagnostic error{Severity::error,
@@ -106,7 +109,7 @@ void placeVelocity(Preparation& state, const scene::Volume& volume, std::uint32_
                                           : fmt::format("its vectors: {}", fmt::join(outputs, ", ")));
     return state.appendNew(error);
   }
-  if (!state.scene->shading.setVelocity(shader, output)) {
+  if (!state.scene->shading.setVelocity(shader, found->name)) {
     return state.errors.error(location,
                               fmt::format("another volume with the same shader takes its velocity from an output "
                                           "other than '{}'",

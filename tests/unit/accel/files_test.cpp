@@ -51,6 +51,24 @@ TEST(Obj, KeepsTheWordOutOfWhatIsAbsent) {
   EXPECT_EQ(mesh->triangles.size(), 1u);
 }
 
+TEST(Obj, TakesTheFacesOfSomeMaterialsOrObjects) {
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\no ball\nusemtl gold\nf 1 2 4\nf 1 3 4\ng lid\nf 2 3 4\nusemtl\n"
+      "f 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+  const auto count = [&](const char* faces) {
+    Diagnostics warnings;
+    const auto mesh = parseObj("m.obj", text, {}, warnings, faces);
+    return mesh ? mesh->triangles.size() : 1000;
+  };
+  EXPECT_EQ(count(""), 8u);
+  EXPECT_EQ(count("usemtl gold"), 3u);
+  EXPECT_EQ(count("not usemtl gold"), 5u);
+  EXPECT_EQ(count("o ball"), 2u);
+  EXPECT_EQ(count(" o  lid ball "), 7u);
+  EXPECT_EQ(count("not o lid ball"), 1u);
+  EXPECT_EQ(count("usemtl silver"), 0u);
+}
+
 TEST(Obj, AppliesTheTransform) {
   Diagnostics warnings;
   const Matrix4 mirror{{{-2, 0, 0, 5}, {0, 2, 0, 0}, {0, 0, 2, 0}, {0, 0, 0, 1}}};

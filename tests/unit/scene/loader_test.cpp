@@ -356,5 +356,28 @@ TEST(Loader, StopsAfterAHundredErrors) {
   EXPECT_NE(scene.errors().entries().back().message.find("too many errors"), std::string::npos);
 }
 
+TEST(Loader, MergedShapesStayWhatTheyAre) {
+  Diagnostics warnings;
+  const auto scene =
+      loadString(R"(<scene version="3.0.0"><sensor type="perspective"/><shape type="merge"><shape type="cube"/>
+      <shape type="merge"><shape type="sphere"/></shape></shape><shape type="shapegroup" id="g"><shape type="merge">
+      <shape type="disk"/></shape></shape><shape type="instance"><ref id="g"/></shape></scene>)",
+                 "merge.xml", {}, {}, warnings);
+  ASSERT_TRUE(scene) << format(scene.errors());
+  ASSERT_EQ(scene->shapes.size(), 3u);
+  EXPECT_EQ(scene->shapes[1].type, ShapeType::sphere);
+  EXPECT_EQ(scene->shapes[2].type, ShapeType::disk);
+}
+
+TEST(Loader, EmittersMayNameTheirMedium) {
+  Diagnostics warnings;
+  const auto scene =
+      loadString(R"(<scene version="3.0.0"><sensor type="perspective"/><medium type="homogeneous" id="fog"/>
+      <emitter type="point"><ref id="fog" name="medium"/></emitter></scene>)",
+                 "medium.xml", {}, {}, warnings);
+  ASSERT_TRUE(scene) << format(scene.errors());
+  EXPECT_EQ(format(warnings), "");
+}
+
 }  // namespace
 }  // namespace aerosol::scene

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "core/scene/loader.h"
+#include "tests/support/scratch_folder.h"
 
 namespace aerosol::scene {
 namespace {
@@ -89,6 +91,30 @@ TEST(World, GroupsMayBeElements) {
   EXPECT_EQ(scene.materials[scene.shapes[0].material].code->text,
             "param float Kd 0.5;\nparam color Cs 1 0.5 0.25;\nparam int n 3;\nparam string name \"a \\\"b\\\"\";\n"
             "shader pattern one;\nshader matte two;\nconnect one.Cout two.Cs;\n");
+}
+
+TEST(World, FacesOfModelsFindTheGroupsThatTheirMaterialsName) {
+  const test::ScratchFolder scratch;
+  const std::filesystem::path folder = scratch.path();
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  std::ofstream(folder / "materials.obj") << corners << "o lid\nusemtl gold\nf 1 2 3\nusemtl other\nf 1 2 3\n";
+  std::ofstream(folder / "objects.obj") << corners << "o lid\nf 1 2 3\no gold\nf 1 2 3\n";
+  const auto read = [&](const std::string& file) {
+    Diagnostics warnings;
+    const auto scene =
+        loadString("<World>" + std::string(group) + R"(<ShaderGroup name="gold" commands="shader gold g;"/>
+        <ShaderGroup name="lid" commands="shader lid l;"/><ShaderGroup commands="shader last z;"/><Model filename=")" +
+                       file + "\"/></World>",
+                   "world.xml", folder, {}, warnings);
+    EXPECT_TRUE(scene) << (scene ? "" : format(scene.errors()));
+    std::vector<std::pair<std::string, std::string>> found;
+    for (const Shape& shape : scene ? scene->shapes : std::vector<Shape>())
+      found.emplace_back(shape.faces, scene->materials[shape.material].code->text);
+    return found;
+  };
+  using Found = std::vector<std::pair<std::string, std::string>>;
+  EXPECT_EQ(read("materials.obj"), (Found{{"not usemtl gold", "shader last z;"}, {"usemtl gold", "shader gold g;"}}));
+  EXPECT_EQ(read("objects.obj"), (Found{{"o lid", "shader lid l;"}, {"o gold", "shader gold g;"}}));
 }
 
 TEST(World, TellsWhatIsWrong) {
