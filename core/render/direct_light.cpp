@@ -90,10 +90,10 @@ LampDirections MediumVertex::lampsAround(const PreparedScene& scene, const volum
 }
 
 volume::PhaseSample MediumVertex::sampleMixture(std::array<float, 2> u) const {
-  const float share = lamps_.share();
+  const float share = lamps_->share();
   volume::PhaseSample sample;
   if (u[0] < share) {
-    sample.direction = lamps_.sample({u[0] / share, u[1]});
+    sample.direction = lamps_->sample({u[0] / share, u[1]});
   } else {
     sample = phase_.sample(parameters_, before_, {std::min((u[0] - share) / (1 - share), 0x1.fffffep-1f), u[1]});
     if (sample.isDelta) {

@@ -51,14 +51,14 @@ class ScatteringVertex {
 
 /// A point of a ray where it is scattered, and the densities with which it was, or could have been, chosen.
 struct PlaceOnRay {
-  LightsAlongRay lights;  ///< Beside the ray.
+  const LightsAlongRay* lights = nullptr;  ///< Beside the ray; they outlive this.
   double t = 0;
   double choicePdf = 0;   ///< Of the distance tracker (volume::DistanceSample).
   double lightScale = 0;  ///< Where lights are tabulated: of the place, over the mass of all (volume::TabulatedLight).
 
   Rivalry rivalry(LightId light) const {
     const LightsAlongRay::Claim claim =
-        lights.isTabulated() ? lights.tabulatedClaim(light, t, lightScale) : lights.claim(light, t);
+        lights->isTabulated() ? lights->tabulatedClaim(light, t, lightScale) : lights->claim(light, t);
     return {choicePdf > 0 ? claim.density / choicePdf : 0, claim.isEnough};
   }
 };
@@ -77,7 +77,7 @@ class MediumVertex final : public ScatteringVertex {
         parameters_{anisotropy},
         boundaryMedium_(boundaryMedium),
         media_(media) {
-    if (hasOptionalEffects && !scene.lampsInMedia.empty()) lamps_ = lampsAround(scene, medium);
+    if (hasOptionalEffects && !scene.lampsInMedia.empty()) lamps_.emplace(lampsAround(scene, medium));
   }
 
   Point<World> position() const override { return position_; }
@@ -89,19 +89,19 @@ class MediumVertex final : public ScatteringVertex {
   }
   float pdf(Vector<World> direction) const override {
     const float byPhase = phase_.pdf(parameters_, before_, direction);
-    if (lamps_.isEmpty()) return byPhase;
-    return (1 - lamps_.share()) * byPhase + lamps_.share() * lamps_.pdf(direction);
+    if (!followsLamps()) return byPhase;
+    return (1 - lamps_->share()) * byPhase + lamps_->share() * lamps_->pdf(direction);
   }
   Rivalry rivalry(LightId light) const override { return place_.rivalry(light); }
   float correction(LightId light, float distance) const override {
-    return place_.lights.correction(light, place_.t, distance);
+    return place_.lights->correction(light, place_.t, distance);
   }
   const LinkedLights* links() const override { return links_; }
   const PlaceOnRay& place() const { return place_; }
   /// Whether some directions are chosen towards lamps.
-  bool followsLamps() const { return !lamps_.isEmpty(); }
+  bool followsLamps() const { return lamps_ && !lamps_->isEmpty(); }
   volume::PhaseSample sample(std::array<float, 2> u) const {
-    return lamps_.isEmpty() ? phase_.sample(parameters_, before_, u) : sampleMixture(u);
+    return followsLamps() ? sampleMixture(u) : phase_.sample(parameters_, before_, u);
   }
 
  private:
@@ -116,7 +116,7 @@ class MediumVertex final : public ScatteringVertex {
   std::array<float, 1> parameters_;
   const volume::Medium* boundaryMedium_;
   const volume::MediumStack& media_;
-  LampDirections lamps_;
+  std::optional<LampDirections> lamps_;  ///< Where there are lamps in media.
 };
 
 class SurfaceVertex final : public ScatteringVertex {

@@ -23,6 +23,11 @@ constexpr double fineDepth = 2;
 
 }  // namespace
 
+const LightsAlongRay& LightsAlongRay::none() {
+  static const LightsAlongRay empty;
+  return empty;
+}
+
 LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, const volume::RayStretches& stretches) {
   double along = 0, unit = 0, largest = 0;
   std::array<double, 3> toLight;

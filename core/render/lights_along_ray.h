@@ -26,11 +26,12 @@ struct LightFromRay {
   static LightFromRay of(const LightPlace& light, const Ray<World>& ray, const volume::RayStretches& stretches);
 };
 
-/// The lights beside a ray, as seen from those of its stretches where media scatter. A small value.
+/// The lights beside a ray, as seen from those of its stretches where media scatter.
 class LightsAlongRay {
  public:
   /// Nothing is ever chosen.
   LightsAlongRay() = default;
+  static const LightsAlongRay& none();
   /// The lights outlive this.
   LightsAlongRay(const LightSet& lights, const Ray<World>& ray, const volume::RayStretches& stretches,
                  LightChoice choice, float splitThreshold = neverSplit)

@@ -49,6 +49,8 @@ struct PathState {
   const Medium* boundaryMedium = nullptr;     ///< Surface-defined medium around the ray.
   std::optional<accel::SurfaceHit> touching;  ///< A surface right where the ray begins, to be met first.
   float splitThreshold = neverSplit;          ///< Of light sampling at the ray's end.
+  /// Lights beside this ray, and those beside the ray before, which the record of this one's direction refers to.
+  std::array<std::optional<LightsAlongRay>, 2> lights;
   bool lightsReach = false;  ///< Since lights were sampled the path has only gone through what lets shadow
                              ///< rays pass straight.
   int length = 1;            ///< Segments so far, this ray's included.
@@ -91,14 +93,18 @@ void continueFrom(PathState& state, Point<World> origin, Vector<World> direction
   ++state.scatterings;
 }
 
-/// The lights beside the path's ray between t0 and t1.
-LightsAlongRay lightsAlongRay(const PathContext& path, const PathState& state, double t0, double t1) {
+/// The lights beside the path's ray between t0 and t1. They stay where they are as long as the direction is followed
+/// that is chosen on this ray.
+const LightsAlongRay& lightsAlongRay(const PathContext& path, PathState& state, double t0, double t1) {
   const PreparedScene& scene = path.scene();
-  if (scene.lights.placed().empty() || scene.media.empty()) return {};
+  if (scene.lights.placed().empty() || path.segments.isEmpty()) return LightsAlongRay::none();
   const bool mayScatter = hasOptionalEffects && state.length != scene.path.maxDepth;
   const LightChoice choice = mayScatter ? scene.lightChoice : LightChoice::none;
   const LightSet& lights = scene.lightsOf(commonLinks(path, state.boundaryMedium));
-  return {lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), choice, state.splitThreshold};
+  const auto& before = state.direction.place;
+  const bool isFirstUsed = before && state.lights[0] && before->lights == &*state.lights[0];
+  return state.lights[isFirstUsed ? 1 : 0].emplace(
+      lights, state.ray, scatteringStretches(path, t0, t1, state.boundaryMedium), choice, state.splitThreshold);
 }
 
 /// Clusters of lights are split at the ray's end where they matter to the picture: less so, the less of the light there
@@ -133,7 +139,7 @@ std::optional<LightsAlongRay::Choice> chooseFromTable(PathContext& path, const L
 Task<Color> lightAlongRay(PathContext& path, const PathState& state, const LightsAlongRay& lights,
                           const LightsAlongRay::Choice& choice, const volume::DistanceSample& found) {
   if (found.event != DistanceEvent::scattered || found.medium->isHoldout) co_return Color();
-  const PlaceOnRay place{lights, found.t, found.choicePdf, found.lightScale};
+  const PlaceOnRay place{&lights, found.t, found.choicePdf, found.lightScale};
   const MediumVertex vertex(path.scene(), *found.medium, state.ray, place, found.anisotropy, state.boundaryMedium,
                             path.media);
   const Color estimate = co_await estimateChosenLight(path, vertex, choice, state.ray.time, state.splitThreshold);
@@ -178,7 +184,7 @@ Task<Color> lightByFurtherChoices(PathContext& path, const PathState& state, con
 Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance, const LightsAlongRay& lights,
                            const volume::DistanceSample& event) {
   const PreparedScene& scene = path.scene();
-  const PlaceOnRay place{lights, event.t, event.choicePdf, event.lightScale};
+  const PlaceOnRay place{&lights, event.t, event.choicePdf, event.lightScale};
   const MediumVertex vertex(scene, *event.medium, state.ray, place, event.anisotropy, state.boundaryMedium, path.media);
   if (path.record) {
     const float distance = seenDistance(state, vertex.position());
@@ -471,7 +477,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     path.setLength(state.length);
     findSegments(path, state.ray, begin, end, state.boundaryMedium, path.media, state.direction.links);
     state.splitThreshold = splitThreshold(scene, state.throughput);
-    const LightsAlongRay lights = lightsAlongRay(path, state, begin, end);
+    const LightsAlongRay& lights = lightsAlongRay(path, state, begin, end);
     beginRay(path, state.length);
     std::array<float, 2> u{};
     if (lights.chooses()) u = path.random().next2D();
