@@ -111,7 +111,7 @@ TEST(MediumBoundaries, DielectricsInFogBendLightByThemselves) {
       <float name="albedo" value="0"/></medium></shape>)";
   const ScratchFolder folder;
   const std::string map = (folder.path() / "halves.ppm").string();
-  std::ofstream(map) << "P3 2 2 255 255 0 0  0 0 255  0 255 0  255 255 255";
+  std::ofstream(map) << "P3 2 3 255 255 0 0  0 0 255  0 255 0  255 255 255  90 90 0  0 90 90";
   for (const char* material : {"dielectric", "roughdielectric"}) {
     const std::string content = fmt::format(fmt::runtime(dye), material, map);
     const TestScene alone = loadScene(manyBounces, {.fov = 35}, content);

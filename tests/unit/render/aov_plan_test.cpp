@@ -50,7 +50,8 @@ TEST(AovPlan, RefusesByNameAndPlace) {
   EXPECT_THAT(errorsOf({{"x", "C<L'key'>D*", place}}), testing::IsEmpty());
   EXPECT_THAT(errorsOf({{"x", "(D|R)*L", place}}), HasSubstr("a path begins with C"));
   AovScene shown = someScene();
-  EXPECT_THAT(errorsOf({{"x", "debug:wet", place}}, shown), HasSubstr("no shader of the scene calls debug()"));
+  EXPECT_THAT(errorsOf({{"x", "debug:wet", place}}, shown),
+              HasSubstr("no surface shader of the scene calls debug(), and no volume shader has such an output"));
   shown.outputs = {{0, 1, "dry"}};
   EXPECT_THAT(errorsOf({{"x", "debug:wet", place}}, shown), HasSubstr("no shader has the output 'wet'"));
   EXPECT_EQ(errorsOf({{"debug:dry", "debug:dry", place}}, shown), "");
