@@ -227,26 +227,30 @@ float aerosol_gabor_cell(point at, int x, int y, int z, int seed, float mean, fl
   for (int i = 0; i < count; ++i) {
     float pz = aerosol_gabor_random(state), py = aerosol_gabor_random(state), px = aerosol_gabor_random(state);
     vector offset = radius * (at - point(px, py, pz));
-    vector omega = direction;
-    if (anisotropic != 1) {
-      float s, c;
-      sincos(M_2PI * aerosol_gabor_random(state), s, c);
-      if (anisotropic == 0) {
-        float height = 2 * aerosol_gabor_random(state) - 1, around = sqrt(1 - height * height);
-        omega = vector(c * around, s * around, height);  // Its length is 1.
-      } else {
-        omega = length(direction) * vector(c, s, 0);
-      }
-    }
+    float around = 0, height = 0;
+    if (anisotropic != 1) around = M_2PI * aerosol_gabor_random(state);
+    if (anisotropic == 0) height = 2 * aerosol_gabor_random(state) - 1;
     float phase = M_2PI * aerosol_gabor_random(state);
     float square = dot(offset, offset);
+    // Most impulses are too far away: what their numbers mean is found out for the others alone.
     if (square < radius * radius) {
+      vector omega = direction;
+      if (anisotropic != 1) {
+        float s, c;
+        sincos(around, s, c);
+        if (anisotropic == 0) {
+          float wide = sqrt(1 - height * height);
+          omega = vector(c * wide, s * wide, height);  // Its length is 1.
+        } else {
+          omega = length(direction) * vector(c, s, 0);
+        }
+      }
       float weight = 1, decay = a * a * square;
       if (footprint.seen) {
         vector seen = vector(dot(footprint.x, omega), dot(footprint.y, omega), dot(footprint.z, omega));
-        float height = dot(footprint.away, offset);
+        float above = dot(footprint.away, offset);
         weight = footprint.narrow;
-        decay = a * a * (height * height + weight * (square - height * height)) + dot(omega, omega - seen) / (a * a);
+        decay = a * a * (above * above + weight * (square - above * above)) + dot(omega, omega - seen) / (a * a);
         omega = seen;
       }
       sum += weight * exp(-M_PI * decay) * cos(M_2PI * dot(omega, offset) + phase);
