@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/jit/cost.h"
 #include "core/lang/analysis.h"
 #include "core/lang/fold.h"
 
@@ -14,6 +15,16 @@ using lang::Op;
 using lang::VariableId;
 
 namespace {
+
+/// Loops of no more rounds, and of no more cost in all, are written out.
+constexpr unsigned writtenRounds = 64;
+constexpr double writtenCost = 256;
+
+bool hasLoop(const lang::Code& code) {
+  bool found = false;
+  lang::forEachInstruction(code, [&](const Instruction& instruction) { found = found || instruction.op == Op::loop; });
+  return found;
+}
 
 std::optional<std::int64_t> constantInt(const lang::Program& program, VariableId id) {
   const lang::Variable& variable = program.variables[id];
@@ -91,6 +102,12 @@ std::optional<unsigned> countedRounds(const lang::Program& program, const lang::
   for (std::int64_t i = *start; holds(test.op, i, *last); i += *step)
     if (++rounds > most || i + *step != static_cast<std::int32_t>(i + *step)) return std::nullopt;
   return rounds;
+}
+
+bool isWrittenOut(const lang::Program& program, const lang::Code& code, const Instruction& loop) {
+  if (hasLoop(loop.bodies[1])) return false;
+  const auto rounds = countedRounds(program, code, loop, writtenRounds);
+  return rounds && *rounds > 0 && *rounds * Cost(program).of(loop.bodies[1]) <= writtenCost;
 }
 
 }  // namespace aerosol::jit

@@ -12,4 +12,9 @@ namespace aerosol::jit {
 std::optional<unsigned> countedRounds(const lang::Program& program, const lang::Code& code,
                                       const lang::Instruction& loop, unsigned most);
 
+/// Whether a loop in `code` is written out, so that what depends on the round is constant: an innermost one of few
+/// known rounds, cheap in all. Never one that is not entered: the optimiser would count its rounds until the counter
+/// wraps around.
+bool isWrittenOut(const lang::Program& program, const lang::Code& code, const lang::Instruction& loop);
+
 }  // namespace aerosol::jit

@@ -16,17 +16,6 @@ namespace {
 /// Bounds that a loop has not settled after so many rounds are given up.
 constexpr std::uint32_t roundsBeforeWidening = 512;
 
-/// Innermost loops of no more known rounds, and of no more cost in all, are written out: what depends on the round is
-/// constant then.
-constexpr unsigned unrolledRounds = 64;
-constexpr double unrolledCost = 256;
-
-bool hasLoop(const lang::Code& code) {
-  bool found = false;
-  lang::forEachInstruction(code, [&](const Instruction& instruction) { found = found || instruction.op == Op::loop; });
-  return found;
-}
-
 }  // namespace
 
 void Lowering::emitLoop(const Instruction& instruction) {
@@ -98,10 +87,7 @@ void Lowering::emitLoopBody(const Instruction& instruction, llvm::BasicBlock* ne
 }
 
 bool Lowering::isUnrolled(const Instruction& instruction) const {
-  if (domain_.widensAtBudget() || hasLoop(instruction.bodies[1])) return false;
-  const auto rounds = countedRounds(program_, *codes_.back(), instruction, unrolledRounds);
-  // Of a loop that is never entered the optimiser would count the rounds until the counter wraps around.
-  return rounds && *rounds > 0 && *rounds * cost_.of(instruction.bodies[1]) <= unrolledCost;
+  return !domain_.widensAtBudget() && isWrittenOut(program_, *codes_.back(), instruction);
 }
 
 /// Asks for the loop that ends in this block to be written out.
