@@ -158,7 +158,7 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const DirectLight& li
   const float pdf = light->pdf * choice->probability;
   const auto byPlace = static_cast<float>(rivalry.ratio * static_cast<double>(light->pdf));
   const Ray<World> ray = shadowRay(vertex, *light, time);
-  if (liesBehindFace(path, ray, *light)) co_return Color();
+  if (path.scene().lightsMeetFaces && liesBehindFace(path, ray, *light)) co_return Color();
   const Color transmittance = co_await estimateTransmittance(path, ray, vertex.mediumTowards(light->direction),
                                                              vertex.mediaTowards(light->direction));
   if (path.record) path.record->noteLight(choice->index, light->direction, path.wentStraight);
@@ -191,7 +191,7 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
 
   const auto directionPdf = static_cast<double>(light->pdf);
   const Ray<World> ray = shadowRay(vertex, *light, time);
-  if (liesBehindFace(path, ray, *light)) co_return Color();
+  if (path.scene().lightsMeetFaces && liesBehindFace(path, ray, *light)) co_return Color();
   const Color transmittance = co_await estimateTransmittance(path, ray, vertex.mediumTowards(light->direction),
                                                              vertex.mediaTowards(light->direction));
   if (path.record) path.record->noteLight(choice.light.light, light->direction, path.wentStraight);

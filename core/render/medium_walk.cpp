@@ -319,7 +319,11 @@ Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Mediu
   HashSource random(path.random());
   for (MediumSpan span; !isBlack(transmittance) && path.mediumSpans.take(span);) {
     const auto method = hasOptionalEffects ? span.medium->transmittance : volume::TransmittanceMethod::closedForm;
-    transmittance *= co_await volume::estimateTransmittance(method, path, ray, span, random);
+    if (method == volume::TransmittanceMethod::closedForm) {
+      transmittance *= volume::closedTransmittance(span);
+    } else {
+      transmittance *= co_await volume::estimateTransmittance(method, path, ray, span, random);
+    }
   }
   co_return transmittance;
 }

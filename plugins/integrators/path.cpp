@@ -420,7 +420,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
 /// cloud of albedo 1 each chance to end would raise the weight of the survivors, bounce after bounce. The weight of a
 /// direction out of a medium is left out until the next vertex: directions chosen towards lamps have small ones, and
 /// bring more in exchange.
-bool survivesRoulette(PathContext& path, PathState& state, const Radiance& radiance) {
+[[gnu::always_inline]] inline bool survivesRoulette(PathContext& path, PathState& state, const Radiance& radiance) {
   if (isBlack(state.throughput)) return false;
   const PreparedScene& scene = path.scene();
   if (path.pilot) noteVertex(*path.pilot, state, radiance);
@@ -480,20 +480,24 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     const LightsAlongRay& lights = lightsAlongRay(path, state, begin, end);
     beginRay(path, state.length);
     std::array<float, 2> u{};
-    if (lights.chooses()) u = path.random().next2D();
-    auto lit = lights.chooses() ? lights.choose(u) : std::nullopt;
-    volume::GivenDistance given{.t = lit ? lit->t : 0};
-    if (lights.isTabulated()) beginTable(path, lights, given);
+    std::optional<LightsAlongRay::Choice> lit;
+    std::optional<volume::GivenDistance> given;
+    if (lights.chooses()) {
+      u = path.random().next2D();
+      lit = lights.choose(u);
+      if (lit) given.emplace().t = lit->t;
+    } else if (lights.isTabulated()) {
+      beginTable(path, lights, given.emplace());
+    }
     // Behind a boundary, or a face that was touched, the ray's own numbers are used up.
     const auto numbers = passed || isTouching ? DistanceNumbers::hashed : DistanceNumbers::stratified;
     volume::DistanceSample event;
     if (!path.segments.isEmpty()) {
-      event =
-          co_await sampleDistance(path, state.ray, state.throughput, lit || given.lights ? &given : nullptr, numbers);
+      event = co_await sampleDistance(path, state.ray, state.throughput, given ? &*given : nullptr, numbers);
     }
-    if (given.lights) lit = chooseFromTable(path, lights, given, event);
+    if (given && given->lights) lit = chooseFromTable(path, lights, *given, event);
     path.statistics().raysIntoLights += lit && lit->isMet;
-    if (lit && !given.lights) path.statistics().work.add(Work::chosenDistance);
+    if (lit && !given->lights) path.statistics().work.add(Work::chosenDistance);
     if (!isBlack(event.emission)) {
       path.statistics().work.add(Work::mediumEmission);
       // Lights are sampled up to the first surface, whatever it is.
@@ -508,7 +512,7 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     if (lights.count() > 1) {
       radiance.color += state.throughput * co_await lightByFurtherChoices(path, state, lights, u, begin, end);
     }
-    if (lit) radiance.color += state.throughput * co_await lightAlongRay(path, state, lights, *lit, given.sample);
+    if (lit) radiance.color += state.throughput * co_await lightAlongRay(path, state, lights, *lit, given->sample);
     state.throughput *= event.weight;
     if (path.record) path.record->weaken(event.weight);
     if (event.event == DistanceEvent::absorbed) break;

@@ -23,14 +23,18 @@ inline constexpr bool isUnbiased(TransmittanceMethod method) {
 }
 
 /// exp(-σt length) of a constant medium.
+inline Color closedTransmittance(const MediumSpan& span) {
+  return exp(opticalDepth(span.medium->constant->sigmaT, static_cast<float>(span.t1 - span.t0)) * -1.0f);
+}
+
+/// The same as a task.
 template <Evaluator E>
-Task<Color> closedTransmittance(E&, MediumSpan span) {
-  co_return exp(opticalDepth(span.medium->constant->sigmaT, static_cast<float>(span.t1 - span.t0)) * -1.0f);
+Task<Color> closedTransmittanceTask(E&, MediumSpan span) {
+  co_return closedTransmittance(span);
 }
 
 /// Of `span.medium`, which has what the method needs: constant coefficients for the closed form, voxels for the
-/// analytic one, a bound for ratio
-/// and delta tracking.
+/// analytic one, a bound for ratio and delta tracking.
 template <Evaluator E, UniformSource R>
 Task<Color> estimateTransmittance(TransmittanceMethod method, E& evaluator, const Ray<World>& ray,
                                   const MediumSpan& span, R& random) {
@@ -51,7 +55,7 @@ Task<Color> estimateTransmittance(TransmittanceMethod method, E& evaluator, cons
     case TransmittanceMethod::closedForm:
       break;
   }
-  return closedTransmittance(evaluator, span);
+  return closedTransmittanceTask(evaluator, span);
 }
 
 }  // namespace aerosol::volume
