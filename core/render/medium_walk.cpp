@@ -167,6 +167,39 @@ const LinkedLights* commonLinks(const PathContext& path, const Medium* boundaryM
   return links.value_or(0) == 0 ? nullptr : scene.linkedLights[*links - 1].get();
 }
 
+namespace {
+
+/// Of the way behind `whole`.
+void append(DistanceSample& whole, DistanceSample part) {
+  part.emission = whole.emission + whole.weight * part.emission;
+  part.weight *= whole.weight;
+  part.logPdf += whole.logPdf;
+  part.choicePdf *= whole.choicePdf;
+  if (whole.pdfKind == volume::PdfKind::joint) part.pdfKind = volume::PdfKind::joint;
+  whole = part;
+}
+
+}  // namespace
+
+DistanceSample sampleClosedForms(PathContext& path, Color throughput, volume::GivenDistance* given,
+                                 DistanceNumbers numbers) {
+  DistanceSample whole;
+  Segment segment;
+  if (!path.segments.next(segment)) return whole;
+  DistanceSource random(path.random(), numbers);
+  bool tracks = true;
+  do {
+    const bool finds = given && given->concerns(segment);
+    if (!tracks && !finds) break;
+    countWork(path.statistics().work, segment, DistanceMethod::closedForm);
+    const volume::HomogeneousSegment homogeneous(segment, throughput);
+    if (tracks) append(whole, homogeneous.sample(random));
+    if (finds) homogeneous.find(*given, random);
+    tracks = whole.event == DistanceEvent::passed;
+  } while ((tracks || (given && given->isOpen())) && path.segments.next(segment));
+  return whole;
+}
+
 Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color throughput, volume::GivenDistance* given,
                                     DistanceNumbers numbers, bool tracks) {
   DistanceSample whole;
@@ -207,12 +240,7 @@ Task<DistanceSample> sampleDistance(PathContext& path, Ray<World> ray, Color thr
         break;
     }
     if (!tracks) continue;
-    part.emission = whole.emission + whole.weight * part.emission;
-    part.weight *= whole.weight;
-    part.logPdf += whole.logPdf;
-    part.choicePdf *= whole.choicePdf;
-    if (whole.pdfKind == volume::PdfKind::joint) part.pdfKind = volume::PdfKind::joint;
-    whole = part;
+    append(whole, part);
     tracks = whole.event == DistanceEvent::passed;
   } while ((tracks || (given && given->isOpen())) && path.segments.next(segment));
   co_return whole;
@@ -318,8 +346,8 @@ Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Mediu
   Color transmittance = collectSpans(path, ray, boundaryMedium, media);
   HashSource random(path.random());
   for (MediumSpan span; !isBlack(transmittance) && path.mediumSpans.take(span);) {
-    const auto method = hasOptionalEffects ? span.medium->transmittance : volume::TransmittanceMethod::closedForm;
-    if (method == volume::TransmittanceMethod::closedForm) {
+    const auto method = span.medium->transmittance;
+    if (!path.scene().asksMedia || method == volume::TransmittanceMethod::closedForm) {
       transmittance *= volume::closedTransmittance(span);
     } else {
       transmittance *= co_await volume::estimateTransmittance(method, path, ray, span, random);

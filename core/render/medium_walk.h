@@ -35,6 +35,9 @@ volume::Task<volume::DistanceSample> sampleDistance(PathContext& path, Ray<World
                                                     volume::GivenDistance* given = nullptr,
                                                     DistanceNumbers numbers = DistanceNumbers::hashed,
                                                     bool tracks = true);
+/// The same where nothing has to be asked on the way: in scenes without `asksMedia`, when no lights are tabulated.
+volume::DistanceSample sampleClosedForms(PathContext& path, Color throughput, volume::GivenDistance* given = nullptr,
+                                         DistanceNumbers numbers = DistanceNumbers::hashed);
 
 /// What arrives of the light that enters at the ray's end: the product of all media's transmittances (no sorting, no
 /// splitting), zero behind an opaque surface. Estimated; may be negative where a bound is exceeded. Where media nest,

@@ -220,6 +220,10 @@ Result<std::unique_ptr<const PreparedScene>> run(Preparation& state) {
   if (state.scene->path.equiangular.isCalledFor() && state.scene->path.lampDirections) {
     state.scene->lampsInMedia = findLampsInMedia(*state.scene);
   }
+  state.scene->asksMedia = std::ranges::any_of(state.scene->media, [](const volume::Medium& medium) {
+    return medium.method != volume::DistanceMethod::closedForm ||
+           medium.transmittance != volume::TransmittanceMethod::closedForm;
+  });
   if (!state.errors.hasErrors()) learnContributions(state);
   decideAovs(state);
   refuseMissingEffects(state);

@@ -146,9 +146,10 @@ struct PreparedScene {
   const volume::Medium* cameraMedium = nullptr;  ///< Surface-defined medium around the camera.
   /// Some surface is met by shadow rays and not by all others: what these find has to be seen by shadow rays too.
   bool hidesSurfaces = false;
-  EffectSwitch shadowsPass;    ///< Some material lets light through unbent, and says how much.
-  EffectSwitch nestsMedia;     ///< Some material says what is inside: paths keep a stack of interiors.
-  EffectSwitch hasSubsurface;  ///< Some material lets light into its body.
+  EffectSwitch shadowsPass;       ///< Some material lets light through unbent, and says how much.
+  EffectSwitch asksMedia = true;  ///< Some medium is sampled otherwise than by closed forms.
+  EffectSwitch nestsMedia;        ///< Some material says what is inside: paths keep a stack of interiors.
+  EffectSwitch hasSubsurface;     ///< Some material lets light into its body.
   volume::PriorityOrder priorityOrder = volume::PriorityOrder::higherWins;
   volume::MediumStack initialMedia;  ///< Around the camera; used when media nest.
   EffectSwitch probesMedia;          ///< Paths may begin in different media: each one looks by itself.

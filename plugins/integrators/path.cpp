@@ -493,7 +493,10 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     const auto numbers = passed || isTouching ? DistanceNumbers::hashed : DistanceNumbers::stratified;
     volume::DistanceSample event;
     if (!path.segments.isEmpty()) {
-      event = co_await sampleDistance(path, state.ray, state.throughput, given ? &*given : nullptr, numbers);
+      volume::GivenDistance* const wanted = given ? &*given : nullptr;
+      event = scene.asksMedia || lights.isTabulated()
+                  ? co_await sampleDistance(path, state.ray, state.throughput, wanted, numbers)
+                  : sampleClosedForms(path, state.throughput, wanted, numbers);
     }
     if (given && given->lights) lit = chooseFromTable(path, lights, *given, event);
     path.statistics().raysIntoLights += lit && lit->isMet;
