@@ -85,6 +85,12 @@ double LightSet::probabilityOf(std::size_t candidate, Point<World> from) const {
 
 LightSet::Picks LightSet::pick(Point<World> from, float u, float splitThreshold) const {
   Picks picks;
+  if (single_.size() == 1 && !hasTree()) {
+    picks.single = single_[0];
+    picks.count = 1;
+    picks.rest = std::min(u, belowOne);
+    return picks;
+  }
   const std::size_t count = candidateCount();
   if (count == 0) return picks;
   double total = 0;
@@ -122,6 +128,7 @@ std::optional<LightSet::Choice> LightSet::choose(const Picks& picks, std::size_t
 }
 
 float LightSet::probability(LightId id, Point<World> from, float splitThreshold) const {
+  if (single_.size() == 1 && !hasTree()) return single_[0] == id.light ? 1.0f : 0.0f;
   if (hasTree() && id.part != LightId::whole) {
     const PointQuery query{from};
     return static_cast<float>(probabilityOf(single_.size(), from)) *
@@ -129,7 +136,6 @@ float LightSet::probability(LightId id, Point<World> from, float splitThreshold)
   }
   const auto found = std::find(single_.begin(), single_.end(), id.light);
   if (found == single_.end()) return 0;
-  if (candidateCount() == 1) return 1;
   return static_cast<float>(probabilityOf(static_cast<std::size_t>(found - single_.begin()), from));
 }
 

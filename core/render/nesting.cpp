@@ -54,7 +54,7 @@ double limitToCompany(Ray<World>& ray, const accel::SurfaceHit& face) {
 /// Finds the faces that coincide with the first one; what ends the row is `below`.
 volume::Task<bool> findCompany(PathContext& path, Ray<World> ray, Nesting& nesting) {
   const PreparedScene& scene = path.scene();
-  const double reach = limitToCompany(ray, nesting.face);
+  const double reach = limitToCompany(ray, *nesting.face);
   for (;;) {
     const auto hit =
         scene.geometry->closestHit(ray, path.spans, path.statistics().accel, &nesting.last, path.rayTypes());
@@ -134,8 +134,8 @@ volume::Task<Nesting> findNesting(PathContext& path, Ray<World> ray, accel::Surf
                       .mediumAfter = path.mediaBehind.medium()};
   if (!nesting.crossing.isHit) co_return nesting;
   nesting.face = interfaceFace(path, before, after).hit;
-  const shading::ShadingPoint chosen = shadingPointOf(path, nesting.face, ray);
-  co_await path.shade(scene.objects[nesting.face.object].material, chosen);
+  const shading::ShadingPoint chosen = shadingPointOf(path, *nesting.face, ray);
+  co_await path.shade(scene.objects[nesting.face->object].material, chosen);
   co_return nesting;
 }
 

@@ -13,7 +13,7 @@ namespace aerosol::render {
 
 /// Faces that a ray meets in one place.
 struct Nesting {
-  accel::SurfaceHit face;  ///< Whose closures hold; its answer is the path's.
+  std::optional<accel::SurfaceHit> face;  ///< Whose closures hold; its answer is the path's. Set where media nest.
   bool isInterface =
       false;  ///< Something is inside of the faces: `crossing` is set, `path.mediaBehind` is what is behind.
   volume::Crossing crossing;

@@ -237,7 +237,7 @@ enum class Step : unsigned char { ends, scatters, passes };
 /// The ray goes on behind faces that were crossed.
 void goBehind(PathContext& path, PathState& state, const Nesting& nesting) {
   crossNesting(path, nesting);
-  state.boundaryMedium = ruler(path, path.scene().objects[nesting.face.object].exterior);
+  state.boundaryMedium = ruler(path, path.scene().objects[nesting.face->object].exterior);
 }
 
 /// A surface that coincides with what was crossed is met by the ray behind it, where that still runs into it.
@@ -312,7 +312,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   const shading::ShadingPoint point = shadingPointOf(path, hit, state.ray);
   if (scene.nestsMedia) {
     nesting = co_await findNesting(path, state.ray, hit);
-    hit = nesting.face;
+    hit = *nesting.face;
   } else {
     co_await path.shade(scene.objects[hit.object].material, point);
   }

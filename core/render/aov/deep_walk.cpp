@@ -75,7 +75,7 @@ class DeepWalk {
         const Nesting nesting = co_await findNesting(path_, ray_, *hit);
         if (nesting.isInterface && !nesting.crossing.isHit) {
           crossNesting(path_, nesting);
-          medium = ruler(scene.objects[nesting.face.object].exterior);
+          medium = ruler(scene.objects[nesting.face->object].exterior);
           passed = nesting.last;
           continue;
         }
