@@ -74,5 +74,17 @@ TEST(ContributionRoulette, DoesNotDependOnThreadsOrBatches) {
   EXPECT_EQ(one->rgba(), other->rgba());
 }
 
+/// A pilot runs shaders more often than they were asked for: not those that print. That a loop's budget may be reported
+/// is no reason.
+TEST(ContributionRoulette, IsLeftToShadersThatSayNothing) {
+  const auto learns = [](const char* medium) {
+    const TestScene scene = loadScene(byContribution, view, std::string(R"(<emitter type="constant"/>
+        <volume type="sphere"><medium type=")") + medium + R"("/></volume>)");
+    return !scene.scene()->contributions.isEmpty();
+  };
+  EXPECT_TRUE(learns("cumulus"));
+  EXPECT_FALSE(learns("talkative"));
+}
+
 }  // namespace
 }  // namespace aerosol::test
