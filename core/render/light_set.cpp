@@ -9,19 +9,20 @@ namespace aerosol::render {
 namespace {
 
 constexpr double equalShare = 0.1;
-constexpr float belowOne = 0x1.fffffep-1f;
 
 }  // namespace
 
 LightSet::LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius)
     : lights_(std::make_move_iterator(lights.begin()), std::make_move_iterator(lights.end())) {
   if (gather(sceneRadius) > few) plantTree();
+  findOnly();
 }
 
 LightSet::LightSet(const LightSet& all, const std::vector<bool>& chosen, float sceneRadius)
     : lights_(all.lights_), chosen_(chosen) {
   // Whether lights are chosen in parts must not differ: densities of both sets are compared.
   if (gather(sceneRadius) > 0 && !all.tree_.isEmpty()) plantTree();
+  findOnly();
 }
 
 std::size_t LightSet::gather(float sceneRadius) {
@@ -38,6 +39,10 @@ std::size_t LightSet::gather(float sceneRadius) {
     }
   }
   return parts;
+}
+
+void LightSet::findOnly() {
+  if (single_.size() == 1 && !hasTree()) only_ = single_[0];
 }
 
 void LightSet::plantTree() {
@@ -83,14 +88,8 @@ double LightSet::probabilityOf(std::size_t candidate, Point<World> from) const {
   return total > 0 ? (1 - equalShare) * importance(candidate, from) / total + equalShare * equal : equal;
 }
 
-LightSet::Picks LightSet::pick(Point<World> from, float u, float splitThreshold) const {
+LightSet::Picks LightSet::pickAmongSeveral(Point<World> from, float u, float splitThreshold) const {
   Picks picks;
-  if (single_.size() == 1 && !hasTree()) {
-    picks.single = single_[0];
-    picks.count = 1;
-    picks.rest = std::min(u, belowOne);
-    return picks;
-  }
   const std::size_t count = candidateCount();
   if (count == 0) return picks;
   double total = 0;
@@ -127,8 +126,7 @@ std::optional<LightSet::Choice> LightSet::choose(const Picks& picks, std::size_t
   return Choice{id.light, static_cast<float>(picks.probability) * entry->probability, id.part};
 }
 
-float LightSet::probability(LightId id, Point<World> from, float splitThreshold) const {
-  if (single_.size() == 1 && !hasTree()) return single_[0] == id.light ? 1.0f : 0.0f;
+float LightSet::probabilityAmongSeveral(LightId id, Point<World> from, float splitThreshold) const {
   if (hasTree() && id.part != LightId::whole) {
     const PointQuery query{from};
     return static_cast<float>(probabilityOf(single_.size(), from)) *

@@ -1,6 +1,7 @@
 // All lights of a scene and the choice among them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -80,7 +81,14 @@ class LightSet {
     float rest = 0;  ///< What is left of the number that chose: in [0, 1).
   };
   /// `u` in [0, 1); none when no light emits. Clusters are split as LightTree says. Few lights are not.
-  Picks pick(Point<World> from, float u, float splitThreshold) const;
+  Picks pick(Point<World> from, float u, float splitThreshold) const {
+    if (only_ == several) return pickAmongSeveral(from, u, splitThreshold);
+    Picks picks;
+    picks.single = only_;
+    picks.count = 1;
+    picks.rest = std::min(u, belowOne);
+    return picks;
+  }
   /// None where none of the cluster can be seen.
   std::optional<Choice> choose(const Picks& picks, std::size_t index, Point<World> from) const;
   /// A single one.
@@ -89,7 +97,10 @@ class LightSet {
     return picks.count > 0 ? choose(picks, 0, from) : std::nullopt;
   }
   /// With which `choose` takes the light; of some cluster, where these are split.
-  float probability(LightId id, Point<World> from, float splitThreshold = neverSplit) const;
+  float probability(LightId id, Point<World> from, float splitThreshold = neverSplit) const {
+    if (only_ == several) return probabilityAmongSeveral(id, from, splitThreshold);
+    return only_ == id.light ? 1.0f : 0.0f;
+  }
   float probability(std::uint32_t index, Point<World> from) const { return probability(LightId{index}, from); }
 
   /// A sample of a light, however it was chosen, and its density.
@@ -108,9 +119,15 @@ class LightSet {
   bool hasVolumes() const { return hasOptionalEffects && !volumes_.empty(); }
 
  private:
+  static constexpr std::uint32_t several = ~std::uint32_t{0};
+  static constexpr float belowOne = 0x1.fffffep-1f;
+
+  Picks pickAmongSeveral(Point<World> from, float u, float splitThreshold) const;
+  float probabilityAmongSeveral(LightId id, Point<World> from, float splitThreshold) const;
   /// Sorts the lights. How many parts those have that are somewhere.
   std::size_t gather(float sceneRadius);
   void plantTree();
+  void findOnly();
   /// Of the lights in `single_`, then of the tree.
   double importance(std::size_t candidate, Point<World> from) const;
   bool hasTree() const { return hasOptionalEffects && !tree_.isEmpty(); }
@@ -121,6 +138,7 @@ class LightSet {
   std::vector<bool> chosen_;  ///< By index; empty: all.
   std::vector<std::uint32_t> infinite_;
   std::vector<std::uint32_t> single_;   ///< Lights with power that are weighed one by one.
+  std::uint32_t only_ = several;        ///< The light, where it is the only one with power.
   std::vector<std::uint32_t> volumes_;  ///< Media that glow; among `single_`.
   std::vector<PlacedLight> placed_;
   LightTree tree_;
