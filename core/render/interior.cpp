@@ -58,6 +58,7 @@ std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t obj
     medium.transmittance = volume::TransmittanceMethod::closedForm;
     medium.constant = sum;
     medium.mayScatter = !isBlack(sum.sigmaS);
+    medium.mayEmit = !isBlack(sum.emission);
     interior.own = medium;
   }
   return interior;

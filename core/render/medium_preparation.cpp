@@ -179,15 +179,15 @@ void plantTree(PreparedScene& scene, volume::Medium& medium, MediumRanges& range
   statistics.seconds = std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Is scattering nowhere possible, as far as is proven?
-bool mayScatter(const PreparedScene& scene, const volume::Medium& medium) {
-  if (factsOfShader(scene, medium).scatters == Answer::no) return false;
+/// May the medium do so (scatter, emit) somewhere, as far as is proven?
+bool isPossible(const PreparedScene& scene, const volume::Medium& medium, Answer MediumFacts::*fact) {
+  if (factsOfShader(scene, medium).*fact == Answer::no) return false;
   const bool isEmptyOutside = medium.tree && medium.tree->outside.kind() == volume::LeafKind::empty;
-  return !isEmptyOutside || factsOf(scene, medium).scatters != Answer::no;
+  return !isEmptyOutside || factsOf(scene, medium).*fact != Answer::no;
 }
 
 /// Is there emission that is worth to be looked for?
-bool mayEmit(const volume::Medium& medium) {
+bool isWorthIntegrating(const volume::Medium& medium) {
   return medium.tree &&
          std::ranges::any_of(medium.tree->ranges, [](const volume::BoundRanges& r) { return r.emissionHigh > 0; });
 }
@@ -341,6 +341,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
     medium.method = DistanceMethod::closedForm;
     medium.transmittance = TransmittanceMethod::closedForm;
     medium.mayScatter = !isBlack(medium.constant->sigmaS);
+    medium.mayEmit = !isBlack(medium.constant->emission);
     scene.samplingReasons[medium.index] = describeDistances(medium, false);
     keepChoice();
     return errors;
@@ -388,7 +389,8 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
     const bool isRatio = wantedToLights == TransmittanceSampling::ratio;
     refuseWithoutBound(scene, medium, isRatio ? "ratio tracking" : "delta tracking", "transmittance", errors);
   }
-  medium.mayScatter = mayScatter(scene, medium);
+  medium.mayScatter = isPossible(scene, medium, &MediumFacts::scatters);
+  medium.mayEmit = isPossible(scene, medium, &MediumFacts::emits);
   const bool isKnown = medium.bound && medium.bound->provenance != volume::Provenance::estimated;
   const bool mayChoose = wanted == DistanceSampling::automatic || wanted == DistanceSampling::analytic;
   // Under a bound that is far too loose, hardly anything but null collisions would ever happen.
@@ -398,7 +400,7 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   const bool tracks = wantsTracking || (mayChoose && isKnown && !isHopeless);
   if (wantsTracking && !isAnalogue && cost.isTrackingHopeless()) warnOfLooseBound(scene, medium, cost, errors);
   medium.relaxesBound = wanted == DistanceSampling::relaxed;
-  medium.integratesEmission = tracks && !isAnalogue && wanted != DistanceSampling::candidates && mayEmit(medium);
+  medium.integratesEmission = tracks && !isAnalogue && wanted != DistanceSampling::candidates && isWorthIntegrating(medium);
   medium.besideOthers = tracks ? DistanceMethod::nullScattering : DistanceMethod::marching;
   const bool isAnalytic = hasVoxels && (wanted == DistanceSampling::automatic || wanted == DistanceSampling::analytic);
   medium.method = isAnalytic ? DistanceMethod::analytic : medium.besideOthers;

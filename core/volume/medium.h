@@ -60,6 +60,7 @@ struct Medium {
   const BoundTree* tree = nullptr;  ///< Bounds place by place, if there are any; then `bound` is the largest.
   float stepSize = std::numeric_limits<float>::infinity();  ///< Scene units, > 0; for marching and the relaxed bound.
   bool mayScatter = true;                                   ///< False where it is known that it nowhere does.
+  bool mayEmit = true;                                      ///< Likewise.
   bool relaxesBound = false;                                ///< Null scattering works with max(bound, 1 / stepSize).
   bool isHoldout = false;           ///< A path from the camera that scatters here ends, as if nothing was there.
   std::uint32_t lightLinks = 0;     ///< Which lights light it (the renderer's key); 0: all.

@@ -22,15 +22,6 @@ using volume::Task;
 /// Below it nothing is left to be seen.
 constexpr float negligible = 1e-6f;
 
-bool mayEmit(const Medium& medium) {
-  if (medium.constant) return !isBlack(medium.constant->emission);
-  if (!medium.tree || medium.tree->ranges.empty()) return true;
-  for (const volume::BoundRanges& range : medium.tree->ranges) {
-    if (range.emissionLow != 0 || range.emissionHigh != 0) return true;
-  }
-  return false;
-}
-
 /// What one slice of a segment does to light: how much it lets through, and which part of what it stops shows.
 struct SlicePass {
   Color transmittance{1.0f};
@@ -139,7 +130,7 @@ class DeepWalk {
     Color held(1.0f);
     for (const Medium* medium : segment.media) {
       const MediumSpan span{begin, end, medium};
-      if (mayEmit(*medium)) {
+      if (medium->mayEmit) {
         const double t = begin + (end - begin) * static_cast<double>(random_.next());
         Color emission;
         if (medium->constant) {
