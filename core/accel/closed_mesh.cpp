@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <unordered_map>
 #include <utility>
 
@@ -198,32 +197,5 @@ class Closer {
 }  // namespace
 
 MeshRepair closeBodies(TriangleMesh& mesh) { return Closer(mesh).close(); }
-
-// Seen from the middle the faces of a closed body cover the sphere as often as their solid angles (van Oosterom and
-// Strackee 1983, eq. 8) add up to 4 π. Where all of them are seen from behind, none covers another: once around means
-// that each line from the middle meets one face, so that the body has one inside, and no shells within shells.
-bool isStarBody(const TriangleMesh& mesh) {
-  const MeshTopology topology = examine(mesh);
-  if (topology.openEdges + topology.flippedEdges + topology.crowdedEdges > 0 || mesh.triangles.empty()) return false;
-  Box<World> box;
-  for (const Point<World>& p : mesh.positions) box.extend(p);
-  const Double3 middle = (toDouble(box.lower) + toDouble(box.upper)) * 0.5;
-  const std::vector<std::uint32_t> welded = weldedCorners(mesh);
-  double angles = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const std::uint32_t i = welded[t[0]], j = welded[t[1]], k = welded[t[2]];
-    if (i == j || j == k || k == i) continue;
-    const std::array<Double3, 3> corner{toDouble(mesh.positions[t[0]]) - middle,
-                                        toDouble(mesh.positions[t[1]]) - middle,
-                                        toDouble(mesh.positions[t[2]]) - middle};
-    const double volume = dot(corner[0], cross(corner[1], corner[2]));
-    const double a = length(corner[0]), b = length(corner[1]), c = length(corner[2]);
-    if (!(volume > 1e-9 * a * b * c)) return false;
-    const double rest =
-        a * b * c + dot(corner[0], corner[1]) * c + dot(corner[1], corner[2]) * a + dot(corner[2], corner[0]) * b;
-    angles += 2 * std::atan2(volume, rest);
-  }
-  return angles < 6 * std::numbers::pi;
-}
 
 }  // namespace aerosol::accel

@@ -19,8 +19,4 @@ struct MeshRepair {
 /// Möbius strip, is left alone.
 MeshRepair closeBodies(TriangleMesh& mesh);
 
-/// Whether the mesh is a closed body all of whose faces are seen from its middle, from behind: a ray that enters it
-/// leaves it before it enters again. Corners at the same place are one.
-bool isStarBody(const TriangleMesh& mesh);
-
 }  // namespace aerosol::accel

@@ -180,7 +180,7 @@ void plantTree(PreparedScene& scene, volume::Medium& medium, MediumRanges& range
 }
 
 /// May the medium do so (scatter, emit) somewhere, as far as is proven?
-bool isPossible(const PreparedScene& scene, const volume::Medium& medium, Answer MediumFacts::*fact) {
+bool isPossible(const PreparedScene& scene, const volume::Medium& medium, Answer MediumFacts::* fact) {
   if (factsOfShader(scene, medium).*fact == Answer::no) return false;
   const bool isEmptyOutside = medium.tree && medium.tree->outside.kind() == volume::LeafKind::empty;
   return !isEmptyOutside || factsOf(scene, medium).*fact != Answer::no;
@@ -400,7 +400,8 @@ Diagnostics decideSampling(PreparedScene& scene, volume::Medium& medium, const s
   const bool tracks = wantsTracking || (mayChoose && isKnown && !isHopeless);
   if (wantsTracking && !isAnalogue && cost.isTrackingHopeless()) warnOfLooseBound(scene, medium, cost, errors);
   medium.relaxesBound = wanted == DistanceSampling::relaxed;
-  medium.integratesEmission = tracks && !isAnalogue && wanted != DistanceSampling::candidates && isWorthIntegrating(medium);
+  medium.integratesEmission =
+      tracks && !isAnalogue && wanted != DistanceSampling::candidates && isWorthIntegrating(medium);
   medium.besideOthers = tracks ? DistanceMethod::nullScattering : DistanceMethod::marching;
   const bool isAnalytic = hasVoxels && (wanted == DistanceSampling::automatic || wanted == DistanceSampling::analytic);
   medium.method = isAnalytic ? DistanceMethod::analytic : medium.besideOthers;

@@ -92,10 +92,9 @@ TEST(BodiesWithoutPriority, OnATableItIsSeenThroughThem) {
   }
 }
 
-/// What may be around a point together, or around the camera, or be entered more than once, is counted.
-TEST(BodiesWithoutPriority, KeepAStackWhereOneIsNeeded) {
-  const ScratchFolder folder;
-  const std::string file = (folder.path() / "shells.obj").string();
+/// A box within another, as the beginning of a shape; of a hollow one the inner faces look into it.
+std::string boxes(const ScratchFolder& folder, bool isHollow) {
+  const std::string file = (folder.path() / "boxes.obj").string();
   std::ofstream obj(file);
   for (const double half : {0.5, 0.3}) {
     for (int i = 0; i < 8; ++i)
@@ -103,10 +102,26 @@ TEST(BodiesWithoutPriority, KeepAStackWhereOneIsNeeded) {
   }
   constexpr int faces[6][4] = {{1, 5, 7, 3}, {2, 4, 8, 6}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 3, 4, 2}, {5, 6, 8, 7}};
   for (const int first : {0, 8}) {
-    for (const auto& f : faces)
-      obj << "f " << f[0] + first << ' ' << f[1] + first << ' ' << f[2] + first << ' ' << f[3] + first << '\n';
+    for (const auto& f : faces) {
+      obj << 'f';
+      for (int k = 0; k < 4; ++k) obj << ' ' << f[isHollow && first > 0 ? 3 - k : k] + first;
+      obj << '\n';
+    }
   }
-  obj.close();
+  return fmt::format(R"(<shape type="obj"><string name="filename" value="{}"/>)", file);
+}
+
+/// Paths enter and leave it several times.
+TEST(BodiesWithoutPriority, HollowOnesGiveTheSameBitsWithoutAStack) {
+  const ScratchFolder folder;
+  const std::string turned = R"(<transform name="to_world"><rotate x="1" y="1" angle="35"/></transform>)";
+  expectSameWithoutStack(boxes(folder, true) + turned + milk(1.5) + "</shape>");
+}
+
+/// What may be around a point together, or around the camera, or be entered more than once, is counted.
+TEST(BodiesWithoutPriority, KeepAStackWhereOneIsNeeded) {
+  const ScratchFolder folder;
+  const std::string shells = boxes(folder, false);
   const std::string moving = R"(<animation name="to_world"><transform time="0"><translate x="0"/></transform>
       <transform time="1"><translate x="1"/></transform></animation>)";
   const struct {
@@ -121,8 +136,7 @@ TEST(BodiesWithoutPriority, KeepAStackWhereOneIsNeeded) {
       {"an open tube", R"(<shape type="cylinder">)" + milk(1.5) + "</shape>"},
       {"turned inside out", ball(0, 0.5, milk(1.5), R"(<boolean name="flip_normals" value="true"/>)")},
       {"moving", ball(0, 0.5, milk(1.5), moving)},
-      {"shells within shells",
-       fmt::format(R"(<shape type="obj"><string name="filename" value="{}"/>)", file) + milk(1.5) + "</shape>"},
+      {"shells within shells", shells + milk(1.5) + "</shape>"},
       {"an inside that varies", ball(0, 0.5, R"(<bsdf type="uneven_glass"/>)")},
   };
   for (const auto& each : cases) {

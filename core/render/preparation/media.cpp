@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "core/accel/closed_mesh.h"
+#include "core/accel/simple_body.h"
 #include "core/render/interior.h"
 #include "core/render/medium_phase.h"
 #include "core/render/medium_preparation.h"
@@ -248,7 +249,7 @@ bool isEnteredOnce(const Preparation& state, std::size_t index) {
   const scene::Shape& shape = state.description.shapes[index];
   if (shape.type == scene::ShapeType::sphere && !shape.displacement) return !shape.flipNormals;
   const accel::TriangleMesh* const mesh = state.scene->geometry->mesh(object);
-  return mesh && !state.scene->geometry->sharedPlacement(object) && accel::isStarBody(*mesh);
+  return mesh && !state.scene->geometry->sharedPlacement(object) && accel::isSimpleBody(*mesh);
 }
 
 }  // namespace

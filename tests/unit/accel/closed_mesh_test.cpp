@@ -162,40 +162,5 @@ TEST(ClosedMeshes, WhatHasNoSidesIsLeftAlone) {
   EXPECT_EQ(strip.triangles, before);
 }
 
-TEST(StarBodies, AreClosedAndSeenFromTheirMiddle) {
-  TriangleMesh cube = makeCube();
-  EXPECT_TRUE(isStarBody(cube));
-  EXPECT_FALSE(isStarBody(torus()));
-  EXPECT_FALSE(isStarBody(makeRectangle()));
-  TriangleMesh open = cube;
-  open.triangles.pop_back();
-  EXPECT_FALSE(isStarBody(open));
-  TriangleMesh inwards = cube;
-  for (auto& t : inwards.triangles) std::swap(t[1], t[2]);
-  EXPECT_FALSE(isStarBody(inwards));
-  // A shell within another: every face looks away from the middle, but each line meets two.
-  TriangleMesh shells = cube;
-  for (const auto& t : cube.triangles) shells.triangles.push_back({t[0] + 24, t[1] + 24, t[2] + 24});
-  for (const Point<World>& p : cube.positions) shells.positions.push_back({0.5f * p.x, 0.5f * p.y, 0.5f * p.z});
-  ASSERT_EQ(cube.positions.size(), 24u);
-  EXPECT_FALSE(isStarBody(shells));
-  // A dent whose faces the middle sees from behind, and a deeper one.
-  for (const float depth : {0.5f, 0.8f}) {
-    TriangleMesh dented = cube;
-    for (auto& t : dented.triangles) {
-      if (dented.positions[t[0]].z < 1 || dented.positions[t[1]].z < 1 || dented.positions[t[2]].z < 1) continue;
-      const auto middle = static_cast<std::uint32_t>(dented.positions.size());
-      const Point<World> a = dented.positions[t[0]], b = dented.positions[t[1]], c = dented.positions[t[2]];
-      dented.positions.push_back({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3, 1 - depth});
-      const auto old = t;
-      t = {old[0], old[1], middle};
-      dented.triangles.push_back({old[1], old[2], middle});
-      dented.triangles.push_back({old[2], old[0], middle});
-      break;
-    }
-    EXPECT_EQ(isStarBody(dented), depth < 0.6f) << depth;
-  }
-}
-
 }  // namespace
 }  // namespace aerosol::accel
