@@ -67,21 +67,24 @@ class DirectoryBuilder {
     for (std::uint32_t t = 0; t < root.data()->mTableSize; ++t) {
       const auto* tile = root.data()->tile(t);
       if (tile->isChild()) {
-        collectUpper(*root.data()->getChild(tile));
+        collectUpper(*root.data()->getChild(tile), tile->origin());
       } else {
         addConstantBlocks(tile->origin(), 32, tile->value);
       }
     }
   }
 
+  /// Nodes know their place by their active voxels; there may be none.
   template <class Upper>
-  void collectUpper(const Upper& node) {
+  void collectUpper(const Upper& node, const nanovdb::Coord& origin) {
     for (std::uint32_t n = 0; n < Upper::SIZE; ++n) {
+      nanovdb::Coord place = Upper::OffsetToLocalCoord(n);
+      place <<= blockBits;
+      place += origin;
       if (node.data()->isChild(n)) {
-        const Lower* lower = node.data()->getChild(n);
-        blocks_.push_back({lower->origin(), lower, tableCount_++});
+        blocks_.push_back({place, node.data()->getChild(n), tableCount_++});
       } else {
-        addConstantBlocks(node.offsetToGlobalCoord(n), 1, node.data()->getValue(n));
+        addConstantBlocks(place, 1, node.data()->getValue(n));
       }
     }
   }

@@ -106,6 +106,25 @@ TEST_F(GridVolumes, DenseFiles) {
   EXPECT_NE(format(cut.errors()).find("ends too early"), std::string::npos);
 }
 
+/// Around them stand blocks of voxels none of which is active.
+TEST_F(GridVolumes, RangesOfDenseFilesAreOfTheirPlace) {
+  writeDense("two.vol", 3, 5);
+  ASSERT_TRUE(make("two.vol", ""));
+  std::string message;
+  const VoxelFile* file = services_->voxels("two.vol", message);
+  ASSERT_TRUE(file) << message;
+  const VoxelGrid& grid = *file->grids()[0];
+  const auto expectRange = [&](double begin, double end, float least, float greatest) {
+    const VoxelRange range = grid.range(VoxelInterpolation::nearest, {begin, 0.2, 0.2}, {end, 0.8, 0.8}, 0);
+    EXPECT_EQ(range.least, least) << begin;
+    EXPECT_EQ(range.greatest, greatest) << begin;
+  };
+  expectRange(0.2, 1.8, 3, 3);
+  expectRange(0.2, 3, 3, 5);
+  expectRange(2.2, 3.8, 5, 5);
+  expectRange(300, 301, 0, 0);
+}
+
 TEST_F(GridVolumes, NumberedFiles) {
   writeDense("f.0006.vol", 1, 1);
   writeDense("f.0007.vol", 1, 1);
