@@ -60,17 +60,8 @@ LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, co
   return result;
 }
 
-LightsAlongRay::Candidate LightsAlongRay::candidate(const LightPlace& light) const {
-  const LightFromRay seen = LightFromRay::of(light, ray_, stretches_);
-  Candidate result;
-  result.isMet = seen.isMet;
-  result.isAttenuated = stretches_.isKnown() && lights_->tree().isEmpty();
-  if (result.isAttenuated) {
-    result.attenuated = {stretches_, seen.projection, seen.keptDistance};
-  } else {
-    result.even = {stretches_, seen.projection, seen.keptDistance};
-  }
-  result.share = static_cast<double>(light.intensity) * result.integral();
+/// In [0, 1]: how the falloff varies over the stretches, as far as that makes samples of it worth while.
+double LightsAlongRay::chanceOf(const LightFromRay& seen) const {
   double near = std::numeric_limits<double>::infinity(), far = 0;
   for (const volume::RayStretch& s : stretches_.all()) {
     const double a = s.a - seen.projection, b = s.b - seen.projection;
@@ -79,10 +70,26 @@ LightsAlongRay::Candidate LightsAlongRay::candidate(const LightPlace& light) con
   }
   const double d2 = seen.keptDistance * seen.keptDistance;
   const double variation = (d2 + far * far) / (d2 + near * near);
-  result.chance = std::isfinite(result.share)
-                      ? std::clamp((variation - uselessVariation) / (fullVariation - uselessVariation), 0.0, 1.0)
-                      : 0;
-  if (std::isnan(variation)) result.chance = 0;
+  if (std::isnan(variation)) return 0;
+  return std::clamp((variation - uselessVariation) / (fullVariation - uselessVariation), 0.0, 1.0);
+}
+
+LightsAlongRay::Candidate LightsAlongRay::candidate(const LightPlace& light) const {
+  const LightFromRay seen = LightFromRay::of(light, ray_, stretches_);
+  Candidate result;
+  result.isMet = seen.isMet;
+  result.chance = chanceOf(seen);
+  // Of one light alone no share is asked for.
+  const bool isWeighed = lights_->tree().isEmpty() && lights_->placed().size() > 1;
+  if (result.chance == 0 && !isWeighed) return result;
+  result.isAttenuated = stretches_.isKnown() && lights_->tree().isEmpty();
+  if (result.isAttenuated) {
+    result.attenuated = {stretches_, seen.projection, seen.keptDistance};
+  } else {
+    result.even = {stretches_, seen.projection, seen.keptDistance};
+  }
+  result.share = static_cast<double>(light.intensity) * result.integral();
+  if (!std::isfinite(result.share)) result.chance = 0;
   return result;
 }
 

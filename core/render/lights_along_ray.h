@@ -91,6 +91,7 @@ class LightsAlongRay {
     double pdf(double t) const { return isAttenuated ? attenuated.pdf(t) : even.pdf(t); }
     double integral() const { return isAttenuated ? attenuated.integral() : even.integral(); }
   };
+  double chanceOf(const LightFromRay& seen) const;
   Candidate candidate(const LightPlace& light) const;
   void tabulate();
   volume::LightColumn column(std::size_t index) const;
