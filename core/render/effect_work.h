@@ -13,6 +13,7 @@ enum class Work : std::uint8_t {
   time,              ///< Times that were drawn.
   cameraMotion,      ///< Places of the moving camera.
   probe,             ///< Paths that looked above where they begin.
+  foundLight,        ///< Rays that left the scene towards lights of which no samples are taken.
   lightTexture,      ///< Light that a texture was asked for.
   movingLight,       ///< Light that was sampled of lights that move.
   lightTree,         ///< Lights found through the hierarchy.

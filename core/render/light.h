@@ -101,6 +101,9 @@ class Light {
   /// While the shutter is open.
   virtual bool moves() const { return false; }
   virtual bool isDelta() const = 0;
+  /// False of a light at infinity that the directions which surfaces and media choose themselves find better than any
+  /// samples of it: where all directions are alike.
+  virtual bool isSampled() const { return true; }
   /// Arrives from beyond the scene.
   virtual bool isInfinite() const = 0;
 };

@@ -30,7 +30,8 @@ std::size_t LightSet::gather(float sceneRadius) {
   for (std::uint32_t i = 0; i < lights_.size(); ++i) {
     if (!contains(i)) continue;
     if (lights_[i]->isInfinite() && !lights_[i]->isDelta()) infinite_.push_back(i);
-    if (!(maximum(abs(lights_[i]->power(sceneRadius))) > 0)) continue;
+    hasFound_ = hasFound_ || !lights_[i]->isSampled();
+    if (!lights_[i]->isSampled() || !(maximum(abs(lights_[i]->power(sceneRadius))) > 0)) continue;
     single_.push_back(i);
     if (lights_[i]->isVolume()) volumes_.push_back(i);
     if (const auto place = lights_[i]->place()) {

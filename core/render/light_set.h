@@ -57,6 +57,9 @@ class LightSet {
   const Light& operator[](std::uint32_t index) const { return *lights_[index]; }
   /// Indices of the lights that a ray may see which leaves the scene.
   std::span<const std::uint32_t> infinite() const { return infinite_; }
+  /// Whether any light is found by directions alone, and whether any is sampled.
+  bool hasFound() const { return hasFound_; }
+  bool hasSampled() const { return candidateCount() > 0; }
   /// Lights with power that are not at infinity.
   std::span<const PlacedLight> placed() const { return placed_; }
   /// Of a light among `placed`, or of its part; none for others.
@@ -137,6 +140,7 @@ class LightSet {
   std::vector<std::shared_ptr<const Light>> lights_;
   std::vector<bool> chosen_;  ///< By index; empty: all.
   std::vector<std::uint32_t> infinite_;
+  bool hasFound_ = false;
   std::vector<std::uint32_t> single_;   ///< Lights with power that are weighed one by one.
   std::uint32_t only_ = several;        ///< The light, where it is the only one with power.
   std::vector<std::uint32_t> volumes_;  ///< Media that glow; among `single_`.

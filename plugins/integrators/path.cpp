@@ -444,6 +444,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
 /// Of a ray that meets nothing: the path ends.
 void addEscapedLight(PathContext& path, PathState& state, Radiance& radiance) {
   const PreparedScene& scene = path.scene();
+  if (scene.lights.hasFound()) path.statistics().work.add(Work::foundLight);
   if (scene.path.clampsIndirect) {
     const Color light = escapedLight(scene, state.ray.direction, state.direction, nullptr);
     const Color left = limited(path, state, light, 0);

@@ -1,4 +1,6 @@
-// The same radiance from every direction: an overcast sky all around.
+// The same radiance from every direction: an overcast sky all around. A density that is compensated for the directions
+// that surfaces and media choose (Karlík, Šik, Vivoda, Skřivan and Křivánek 2019, "MIS Compensation: Optimizing Sampling
+// Techniques in Multiple Importance Sampling") is nowhere above 0 here, so none is chosen for it.
 
 #include <numbers>
 
@@ -34,6 +36,7 @@ class ConstantLight final : public Light {
   }
   float importance(Point<World>) const override { return average(abs(radiance_)) * (4 * std::numbers::pi_v<float>); }
   bool isDelta() const override { return false; }
+  bool isSampled() const override { return false; }
   bool isInfinite() const override { return true; }
 
  private:

@@ -126,8 +126,10 @@ class EffectList {
   void addLights() {
     const Share sampling = [](const WorkerStatistics& s) { return shareOf(s, {Phase::lights}); };
     add(
-        "light-sampling", scene_.lights.size() > 0,
-        scene_.lights.size() > 0 ? formatCount(scene_.lights.size(), "light") : "there are no lights",
+        "light-sampling", scene_.lights.hasSampled(),
+        scene_.lights.hasSampled() ? formatCount(scene_.lights.size(), "light")
+        : scene_.lights.size() > 0 ? "paths find the light in the directions that they take"
+                                   : "there are no lights",
         [](const WorkerStatistics& s) { return s.accel.occlusionQueries; }, sampling);
     addLightEffects(description_, scene_, effects_);
   }

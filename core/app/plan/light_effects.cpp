@@ -75,7 +75,11 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
       found.add(kind.name, emitter.origin.location);
       lights.push_back(i);
     }
-    effects.push_back(kindOf(kind.effect, found, "none in the scene", std::move(lights)));
+    if (kind.type == EmitterType::constant) {
+      effects.push_back(effectOf(kind.effect, found, "none in the scene", countOf(render::Work::foundLight)));
+    } else {
+      effects.push_back(kindOf(kind.effect, found, "none in the scene", std::move(lights)));
+    }
   }
   Names areas, linked, straight;
   std::vector<std::size_t> shining;
