@@ -129,7 +129,7 @@ int aerosol_spline_segments(string basis, int count) {
     int known = min(count, arraylength(y));                                                                      \
     if (known < 4) return y[max(known - 1, 0)];                                                                  \
     int segments = aerosol_spline_segments(basis, known);                                                        \
-    float at = clamp(x, 0.0, 1.0) * segments;                                                                    \
+    float at = min(max(0.0, x), 1.0) * segments; /* In this order the ends have slopes. */                       \
     int segment = clamp((int)at, 0, segments - 1), first = segment * aerosol_spline_stride(basis);               \
     float t = at - segment;                                                                                      \
     type a, b, c, d;                                                                                             \
@@ -152,6 +152,7 @@ float splineinverse(string basis, float v, int count, float y[]) {
   float turn = y[1] < y[known - 2] ? 1 : -1;
   if (v * turn <= y[begin] * turn) return 0;
   if (v * turn >= y[end] * turn) return 1;
+  float beyond = 0;
   for (int segment = 0; segment < segments; ++segment) {
     int first = segment * stride;
     float a, b, c, d;
@@ -170,8 +171,10 @@ float splineinverse(string basis, float v, int count, float y[]) {
       t = clamp(t + error / ((3 * a * t + 2 * b) * t + c), 0.0, 1.0);
       return (segment + t) / segments;
     }
+    // A value that no segment reaches is at the nearer end of the last one.
+    beyond = (v > max(d, last)) == (d < last) ? 1.0 : (segments - 1.0) / segments;
   }
-  return 0;
+  return beyond;
 }
 float splineinverse(string basis, float v, float y[]) { return splineinverse(basis, v, arraylength(y), y); }
 
@@ -180,8 +183,10 @@ float splineinverse(string basis, float v, float y[]) { return splineinverse(bas
 // phases; a Gaussian of width 1 / a times a cosine of frequency 2 for each within reach.
 //
 // Over the footprint of a shading sample (Lagae and Drettakis 2011, "Filtering solid Gabor noise") the kernel's slice by
-// the plane of px and py is convolved with the image of a Gaussian whose standard deviation is half a sample: its
-// covariance is S = (px px' + py py') / 4. Both are Gaussians in the frequencies w as well, and so is their product. With
+// the plane of px and py is convolved with a Gaussian of covariance S. It would be (px px' + py py') / 4, the image of a
+// standard deviation of half a sample; the language's implementation has the matrix of px and py the other way round,
+// and what is to look alike has to follow: S = (p p' + q q') / 4, where p and q are (px_0, py_0, 0) and (px_1, py_1, 0)
+// without what they have across the plane. Both are Gaussians in the frequencies w as well, and so is their product. With
 // K = I + 2 pi a^2 S it has the frequency K^-1 w, the weight exp(-pi (w.w - w.K^-1 w) / a^2) / sqrt(det K), and in the
 // plane the width a / (det K)^(1/4), for which the paper, too, takes the mean of the two axes. K is the identity along
 // the plane's normal, so that it serves in space as it is, and a frame in the plane is not needed.
@@ -194,13 +199,17 @@ struct aerosol_gabor_footprint {
 aerosol_gabor_footprint aerosol_gabor_footprint_of(vector px, vector py, float a) {
   aerosol_gabor_footprint result;
   vector away = cross(px, py);
-  result.seen = dot(away, away) >= 1e-6;
+  vector n = normalize(away), p = vector(px[0], py[0], 0), q = vector(px[1], py[1], 0);
+  p -= dot(p, n) * n;
+  q -= dot(q, n) * n;
+  vector product = cross(p, q);
+  result.seen = dot(away, away) >= 1e-6 && dot(product, product) >= 1.6e-17;
   if (result.seen) {
-    result.away = normalize(away);
+    result.away = n;
     float f = M_PI_2 * a * a;
-    float xx = 1 + f * (px[0] * px[0] + py[0] * py[0]), xy = f * (px[0] * px[1] + py[0] * py[1]);
-    float yy = 1 + f * (px[1] * px[1] + py[1] * py[1]), yz = f * (px[1] * px[2] + py[1] * py[2]);
-    float zz = 1 + f * (px[2] * px[2] + py[2] * py[2]), zx = f * (px[2] * px[0] + py[2] * py[0]);
+    float xx = 1 + f * (p[0] * p[0] + q[0] * q[0]), xy = f * (p[0] * p[1] + q[0] * q[1]);
+    float yy = 1 + f * (p[1] * p[1] + q[1] * q[1]), yz = f * (p[1] * p[2] + q[1] * q[2]);
+    float zz = 1 + f * (p[2] * p[2] + q[2] * q[2]), zx = f * (p[2] * p[0] + q[2] * q[0]);
     vector x = vector(yy * zz - yz * yz, yz * zx - xy * zz, xy * yz - yy * zx);
     vector y = vector(x[1], xx * zz - zx * zx, xy * zx - xx * yz), z = vector(x[2], y[2], xx * yy - xy * xy);
     float scale = 1 / dot(x, vector(xx, xy, zx));
@@ -294,10 +303,10 @@ float smooth_linearstep(float low, float high, float x, float eps) {
   if (low == high) return step(low, x);
   float scale = 1 / (high - low);
   float t = (x - low) * scale, e = eps * scale;
-  float rise = clamp(t + e, 0.0, 2 * e), fall = clamp(1 + e - t, 0.0, 2 * e);
-  if (t < e) return rise * rise / (4 * e);
-  if (t > 1 - e) return 1 - fall * fall / (4 * e);
-  return t;
+  if (t <= -e) return 0;
+  if (t >= e && t <= 1 - e) return t;
+  if (t >= 1 + e) return 1;
+  return t < e ? (t + e) * (t + e) / (4 * e) : 1 - (1 + e - t) * (1 + e - t) / (4 * e);
 }
 #define AEROSOL_DEFINE(type)                                              \
   type smooth_linearstep(type low, type high, type x, type eps) {         \
@@ -340,31 +349,37 @@ void bump(string space, vector offset) { bump(transform(space, "common", offset)
 
 // Colours --------------------------------------------------------------------------------------------------------------
 
-float luminance(color c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
+float luminance(color c) { return 0.21250724 * c[0] + 0.71535000 * c[1] + 0.07214272 * c[2]; }
 
 // Hue, saturation and value. Hue runs from 0 to 1 around the circle.
 color aerosol_hsv_from_rgb(color c) {
   float high = max(max(c[0], c[1]), c[2]), low = min(min(c[0], c[1]), c[2]);
   float chroma = high - low;
+  if (high <= 0 || chroma == 0) return color(0, 0, high);
   float sector = c[0] == high ? (c[1] - c[2]) / chroma
                               : c[1] == high ? 2 + (c[2] - c[0]) / chroma : 4 + (c[0] - c[1]) / chroma;
-  return color(chroma > 0 ? mod(sector / 6, 1.0) : 0.0, chroma / high, high);
-}
-float aerosol_hsv_channel(color hsv, float sector) {
-  float k = mod(sector + 6 * hsv[0], 6.0);
-  return hsv[2] - hsv[2] * hsv[1] * clamp(min(k, 4 - k), 0.0, 1.0);
+  return color(sector < 0 ? sector / 6 + 1 : sector / 6, chroma / high, high);
 }
 color aerosol_rgb_from_hsv(color c) {
-  return color(aerosol_hsv_channel(c, 5), aerosol_hsv_channel(c, 3), aerosol_hsv_channel(c, 1));
+  if (c[1] < 0.0001) return color(c[2]);
+  float hue = 6 * (c[0] - floor(c[0])), sector = floor(hue), f = hue - sector;
+  float p = c[2] * (1 - c[1]), q = c[2] * (1 - c[1] * f), t = c[2] * (1 - c[1] * (1 - f));
+  if (sector == 0) return color(c[2], t, p);
+  if (sector == 1) return color(q, c[2], p);
+  if (sector == 2) return color(p, c[2], t);
+  if (sector == 3) return color(p, q, c[2]);
+  if (sector == 4) return color(t, p, c[2]);
+  return color(c[2], p, q);
 }
+// Hue, saturation and lightness.
 color aerosol_hsl_from_rgb(color c) {
-  color hsv = aerosol_hsv_from_rgb(c);
-  float lightness = hsv[2] * (1 - 0.5 * hsv[1]);
-  return color(hsv[0], (hsv[2] - lightness) / min(lightness, 1 - lightness), lightness);
+  float high = max(max(c[0], c[1]), c[2]), low = min(min(c[0], c[1]), c[2]), lightness = 0.5 * (high + low);
+  float chroma = high - low;
+  return color(aerosol_hsv_from_rgb(c)[0], chroma / (lightness < 0.5 ? high + low : 2 - high - low), lightness);
 }
 color aerosol_rgb_from_hsl(color c) {
-  float value = c[2] + c[1] * min(c[2], 1 - c[2]);
-  return aerosol_rgb_from_hsv(color(c[0], 2 * (1 - c[2] / value), value));
+  float value = c[2] <= 0.5 ? c[2] * (1 + c[1]) : c[2] * (1 - c[1]) + c[1];
+  return value <= 0 ? color(0) : aerosol_rgb_from_hsv(color(c[0], 2 * (value - c[2]) / value, value));
 }
 color aerosol_yiq_from_rgb(color c) {
   return color(dot(vector(0.299, 0.587, 0.114), vector(c)), dot(vector(0.596, -0.275, -0.321), vector(c)),
@@ -374,26 +389,26 @@ color aerosol_rgb_from_yiq(color c) {
   return color(c[0] + 0.9557 * c[1] + 0.6199 * c[2], c[0] - 0.2716 * c[1] - 0.6469 * c[2],
                c[0] - 1.1082 * c[1] + 1.7051 * c[2]);
 }
-// Primaries of Rec. 709 and white D65.
+// Primaries of Rec. 709; of D65 the language has the chromaticity (0.3127, 0.3291), by which its tables differ in the
+// fourth digit from those of white (0.3127, 0.3290).
 color aerosol_xyz_from_rgb(color c) {
-  return color(dot(vector(0.4123908, 0.3575843, 0.1804808), vector(c)),
-               dot(vector(0.2126390, 0.7151687, 0.0721923), vector(c)),
-               dot(vector(0.0193308, 0.1191948, 0.9505322), vector(c)));
+  return color(dot(vector(0.41213532, 0.35767500, 0.18035680), vector(c)),
+               dot(vector(0.21250728, 0.71535001, 0.07214272), vector(c)),
+               dot(vector(0.01931884, 0.11922500, 0.94987913), vector(c)));
 }
 color aerosol_rgb_from_xyz(color c) {
-  return color(dot(vector(3.2409699, -1.5373832, -0.4986108), vector(c)),
-               dot(vector(-0.9692436, 1.8759675, 0.0415551), vector(c)),
-               dot(vector(0.0556301, -0.2039770, 1.0569715), vector(c)));
+  return color(dot(vector(3.24297897, -1.53833618, -0.49891984), vector(c)),
+               dot(vector(-0.96899795, 1.87549198, 0.04154452), vector(c)),
+               dot(vector(0.05566832, -0.20411719, 1.05769816), vector(c)));
 }
 color aerosol_xyy_from_xyz(color c) {
-  float sum = c[0] + c[1] + c[2];
-  return color(c[0] / sum, c[1] / sum, c[1]);
+  float sum = c[0] + c[1] + c[2], scale = sum > 1e-6 ? 1 / sum : 0;
+  return color(c[0] * scale, c[1] * scale, c[1]);
 }
 color aerosol_xyz_from_xyy(color c) {
-  float scale = c[2] / c[1];
+  float scale = c[1] > 1e-6 ? c[2] / c[1] : 0;
   return color(scale * c[0], c[2], scale * (1 - c[0] - c[1]));
 }
-
 
 // The standard's encoding of linear values (IEC 61966-2-1).
 float aerosol_srgb_encoded(float x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055; }
@@ -457,16 +472,134 @@ color transformc(string to, color c) { return transformc("rgb", to, c); }
   }
 
 // Exitance of a black body in W / m^2 as colour: Planck's law, 2 pi h c^2 / (w^5 (exp(h c / (w k T)) - 1)), summed over
-// the visible wavelengths w. The sum runs in units of 1e-7 m, so that no float overflows.
-color blackbody(float temperatureK) {
+// the visible wavelengths w. The sum runs in units of 1e-7 m, so that no float overflows. The constants are the
+// language's, of an older measurement than today's.
+color aerosol_blackbody(float temperatureK) {
   color observer[81] = AEROSOL_OBSERVER;
   color xyz = 0;
   for (int i = 0; i < 81; ++i) {
     float w = 3.8 + 0.05 * i;
-    xyz += observer[i] / (w * w * w * w * w * expm1(min(143877.69 / (w * max(temperatureK, 1.0)), 87.0)));
+    xyz += observer[i] / (w * w * w * w * w * expm1(min(143880.0 / (w * temperatureK), 87.0)));
   }
-  return max(aerosol_rgb_from_xyz(xyz * (3.7417719e-16 * 1e35 * 5e-9)), color(0));
+  return max(aerosol_rgb_from_xyz(xyz * (3.74183e-16 * 1e35 * 5e-9)), color(0));
 }
+
+// Its fifth root at 800 K + 2 K i^1.5. Up to 12,000 K the language gives what lies between these by lines.
+#define AEROSOL_BLACKBODY                                                                                    \
+  {                                                                                                          \
+    {0.1822424, 0, 0}, {0.1848091, 0, 0}, {0.1895632, 0, 0}, {0.1958372, 0, 0}, {0.2034398, 0, 0},           \
+    {0.2122921, 0, 0}, {0.2223657, 0, 0}, {0.233661, 0, 0}, {0.2461967, 0, 0}, {0.2600039, 0, 0},            \
+    {0.2751232, 0, 0}, {0.2916023, 0, 0}, {0.3094943, 0, 0}, {0.3288568, 0, 0}, {0.3497509, 0, 0},           \
+    {0.3722405, 0, 0}, {0.3963917, 0, 0}, {0.4222722, 0, 0}, {0.4499509, 0, 0},                              \
+    {0.4794973, 0.09449854, 0}, {0.5109811, 0.1642834, 0}, {0.5444721, 0.1998748, 0},                        \
+    {0.5800392, 0.2308737, 0}, {0.6177508, 0.260775, 0}, {0.6576738, 0.2908248, 0},                          \
+    {0.6998735, 0.3216396, 0}, {0.7444136, 0.3535871, 0}, {0.7913554, 0.386916, 0},                          \
+    {0.8407578, 0.421811, 0}, {0.892677, 0.4584183, 0}, {0.9471663, 0.4968597, 0},                           \
+    {1.004276, 0.5372403, 0}, {1.064052, 0.579653, 0}, {1.126539, 0.6241812, 0},                             \
+    {1.191775, 0.6709009, 0}, {1.259798, 0.7198817, 0}, {1.330637, 0.7711875, 0},                            \
+    {1.404322, 0.8248773, 0}, {1.480877, 0.8810051, 0}, {1.56032, 0.9396209, 0}, {1.642668, 1.00077, 0},     \
+    {1.727932, 1.064493, 0}, {1.81612, 1.130828, 0}, {1.907235, 1.199808, 0}, {2.001275, 1.271461, 0},       \
+    {2.098237, 1.345813, 0}, {2.198112, 1.422885, 0}, {2.300888, 1.502696, 0}, {2.406547, 1.585257, 0},      \
+    {2.515072, 1.67058, 0}, {2.626437, 1.758671, 0}, {2.740618, 1.849533, 0}, {2.857584, 1.943165, 0},       \
+    {2.977302, 2.039564, 0}, {3.099737, 2.138721, 0}, {3.22485, 2.240627, 0}, {3.3526, 2.345267, 0},         \
+    {3.482943, 2.452626, 0}, {3.615835, 2.562683, 0}, {3.751226, 2.675417, 0}, {3.889067, 2.790802, 0},      \
+    {4.029306, 2.908811, 0}, {4.171889, 3.029415, 0}, {4.316762, 3.152581, 0}, {4.463868, 3.278275, 0},      \
+    {4.61315, 3.40646, 0}, {4.764549, 3.537099, 0}, {4.918006, 3.670152, 0},                                 \
+    {5.07346, 3.805576, 1.400112}, {5.23085, 3.943329, 1.694571}, {5.390115, 4.083365, 1.912993},            \
+    {5.551193, 4.22564, 2.102318}, {5.714021, 4.370106, 2.276973}, {5.878537, 4.516714, 2.443367},           \
+    {6.044679, 4.665417, 2.604907}, {6.212384, 4.816162, 2.763615}, {6.381589, 4.968901, 2.920783},          \
+    {6.552233, 5.123581, 3.077279}, {6.724253, 5.280151, 3.23371}, {6.897589, 5.438558, 3.390512},           \
+    {7.072178, 5.598749, 3.548004}, {7.247961, 5.760671, 3.706423}, {7.424877, 5.924272, 3.865947},          \
+    {7.602867, 6.089497, 4.026709}, {7.781873, 6.256293, 4.188809}, {7.961837, 6.424607, 4.35232},           \
+    {8.142701, 6.594385, 4.517296}, {8.324409, 6.765575, 4.683774}, {8.506906, 6.938123, 4.851777},          \
+    {8.690138, 7.111976, 5.021319}, {8.874051, 7.287083, 5.192403}, {9.058593, 7.463392, 5.365027},          \
+    {9.243711, 7.64085, 5.539182}, {9.429357, 7.819407, 5.714854}, {9.61548, 7.999013, 5.892025},            \
+    {9.802031, 8.179617, 6.070672}, {9.988965, 8.361169, 6.25077}, {10.17623, 8.543623, 6.432293},           \
+    {10.36379, 8.726928, 6.61521}, {10.5516, 8.911038, 6.799489}, {10.73961, 9.095906, 6.985098},            \
+    {10.92778, 9.281486, 7.172002}, {11.11607, 9.467732, 7.360165}, {11.30445, 9.654601, 7.549551},          \
+    {11.49287, 9.842049, 7.740124}, {11.68129, 10.03003, 7.931844}, {11.86968, 10.21851, 8.124675},          \
+    {12.05801, 10.40744, 8.318577}, {12.24624, 10.59678, 8.513512}, {12.43433, 10.78649, 8.709441},          \
+    {12.62226, 10.97654, 8.906325}, {12.81, 11.16688, 9.104125}, {12.99751, 11.35748, 9.302803},             \
+    {13.18476, 11.5483, 9.502319}, {13.37173, 11.73931, 9.702636}, {13.55839, 11.93047, 9.903715},           \
+    {13.74472, 12.12175, 10.10552}, {13.93068, 12.31312, 10.30801}, {14.11627, 12.50454, 10.51115},          \
+    {14.30144, 12.69598, 10.7149}, {14.48618, 12.88742, 10.91923}, {14.67047, 13.07881, 11.1241},            \
+    {14.85429, 13.27014, 11.32948}, {15.03762, 13.46138, 11.53532}, {15.22043, 13.65249, 11.74161},          \
+    {15.40272, 13.84346, 11.94829}, {15.58446, 14.03425, 12.15535}, {15.76564, 14.22485, 12.36274},          \
+    {15.94623, 14.41522, 12.57043}, {16.12624, 14.60535, 12.7784}, {16.30563, 14.79521, 12.98661},           \
+    {16.48441, 14.98477, 13.19503}, {16.66255, 15.17403, 13.40364}, {16.84004, 15.36296, 13.61239},          \
+    {17.01688, 15.55153, 13.82128}, {17.19304, 15.73974, 14.03025}, {17.36853, 15.92755, 14.2393},           \
+    {17.54332, 16.11496, 14.44839}, {17.71741, 16.30194, 14.65749}, {17.8908, 16.48849, 14.86658},           \
+    {18.06347, 16.67458, 15.07564}, {18.23542, 16.86019, 15.28464}, {18.40663, 17.04532, 15.49356},          \
+    {18.57711, 17.22995, 15.70237}, {18.74684, 17.41407, 15.91106}, {18.91583, 17.59765, 16.11959},          \
+    {19.08406, 17.7807, 16.32795}, {19.25152, 17.9632, 16.53612}, {19.41823, 18.14513, 16.74408},            \
+    {19.58416, 18.32649, 16.9518}, {19.74933, 18.50727, 17.15927}, {19.91372, 18.68745, 17.36647},           \
+    {20.07733, 18.86703, 17.57338}, {20.24016, 19.04599, 17.77999}, {20.40221, 19.22434, 17.98627},          \
+    {20.56347, 19.40205, 18.19221}, {20.72395, 19.57913, 18.3978}, {20.88363, 19.75556, 18.60301},           \
+    {21.04253, 19.93134, 18.80784}, {21.20064, 20.10646, 19.01226}, {21.35797, 20.28092, 19.21627},          \
+    {21.5145, 20.45471, 19.41986}, {21.67024, 20.62782, 19.623}, {21.82519, 20.80026, 19.82568},             \
+    {21.97935, 20.972, 20.0279}, {22.13272, 21.14306, 20.22963}, {22.28531, 21.31342, 20.43088},             \
+    {22.43711, 21.48309, 20.63162}, {22.58813, 21.65205, 20.83186}, {22.73836, 21.82031, 21.03156},          \
+    {22.88781, 21.98786, 21.23074}, {23.03648, 22.1547, 21.42937}, {23.18438, 22.32083, 21.62746},           \
+    {23.3315, 22.48624, 21.82498}, {23.47784, 22.65094, 22.02193}, {23.62342, 22.81492, 22.21831},           \
+    {23.76822, 22.97817, 22.4141}, {23.91227, 23.14071, 22.6093}, {24.05554, 23.30253, 22.80391},            \
+    {24.19807, 23.46362, 22.9979}, {24.33983, 23.62399, 23.19129}, {24.48084, 23.78364, 23.38405},           \
+    {24.6211, 23.94256, 23.5762}, {24.76062, 24.10075, 23.76771}, {24.89939, 24.25823, 23.95859},            \
+    {25.03742, 24.41498, 24.14882}, {25.17472, 24.57101, 24.33842}, {25.31128, 24.72631, 24.52736},          \
+    {25.44712, 24.88089, 24.71566}, {25.58223, 25.03476, 24.90329}, {25.71662, 25.1879, 25.09026},           \
+    {25.85029, 25.34032, 25.27657}, {25.98326, 25.49203, 25.46222}, {26.11551, 25.64302, 25.64719},          \
+    {26.24706, 25.7933, 25.83148}, {26.37791, 25.94287, 26.01511}, {26.50806, 26.09172, 26.19805},           \
+    {26.63752, 26.23987, 26.38031}, {26.76629, 26.38731, 26.56189}, {26.89438, 26.53405, 26.74279},          \
+    {27.02178, 26.68008, 26.923}, {27.14852, 26.82542, 27.10252}, {27.27458, 26.97005, 27.28135},            \
+    {27.39998, 27.11399, 27.4595}, {27.52471, 27.25724, 27.63695}, {27.64879, 27.3998, 27.81371},            \
+    {27.77221, 27.54167, 27.98978}, {27.89499, 27.68286, 28.16515}, {28.01712, 27.82337, 28.33984},          \
+    {28.13861, 27.96319, 28.51383}, {28.25946, 28.10235, 28.68712}, {28.37968, 28.24082, 28.85973},          \
+    {28.49928, 28.37863, 29.03163}, {28.61825, 28.51577, 29.20285}, {28.7366, 28.65225, 29.37338},           \
+    {28.85435, 28.78807, 29.54321}, {28.97148, 28.92323, 29.71235}, {29.088, 29.05774, 29.8808},             \
+    {29.20393, 29.1916, 30.04856}, {29.31926, 29.3248, 30.21563}, {29.434, 29.45737, 30.38202},              \
+    {29.54814, 29.58929, 30.54771}, {29.66171, 29.72058, 30.71273}, {29.7747, 29.85123, 30.87706},           \
+    {29.88711, 29.98126, 31.0407}, {29.99895, 30.11065, 31.20367}, {30.11023, 30.23943, 31.36596},           \
+    {30.22094, 30.36758, 31.52757}, {30.3311, 30.49512, 31.6885}, {30.4407, 30.62204, 31.84876},             \
+    {30.54975, 30.74835, 32.00834}, {30.65826, 30.87406, 32.16726}, {30.76623, 30.99917, 32.32551},          \
+    {30.87365, 31.12368, 32.48309}, {30.98055, 31.24759, 32.64001}, {31.08692, 31.37092, 32.79626},          \
+    {31.19276, 31.49365, 32.95186}, {31.29808, 31.6158, 33.1068}, {31.40289, 31.73737, 33.26108},            \
+    {31.50718, 31.85836, 33.41471}, {31.61096, 31.97879, 33.56769}, {31.71424, 32.09864, 33.72002},          \
+    {31.81701, 32.21792, 33.8717}, {31.91929, 32.33664, 34.02275}, {32.02108, 32.45481, 34.17315},           \
+    {32.12237, 32.57241, 34.32291}, {32.22318, 32.68947, 34.47204}, {32.32351, 32.80598, 34.62054},          \
+    {32.42336, 32.92194, 34.76841}, {32.52274, 33.03736, 34.91565}, {32.62164, 33.15225, 35.06226},          \
+    {32.72008, 33.2666, 35.20825}, {32.81805, 33.38042, 35.35363}, {32.91556, 33.49372, 35.49839},           \
+    {33.01262, 33.60649, 35.64253}, {33.10922, 33.71874, 35.78607}, {33.20538, 33.83047, 35.92899},          \
+    {33.30108, 33.9417, 36.07131}, {33.39635, 34.05241, 36.21303}, {33.49117, 34.16262, 36.35416},           \
+    {33.58557, 34.27232, 36.49468}, {33.67952, 34.38152, 36.63462}, {33.77305, 34.49023, 36.77396},          \
+    {33.86616, 34.59845, 36.91271}, {33.95884, 34.70618, 37.05089}, {34.0511, 34.81342, 37.18848},           \
+    {34.14295, 34.92018, 37.32549}, {34.23438, 35.02646, 37.46193}, {34.3254, 35.13227, 37.59779},           \
+    {34.41602, 35.2376, 37.73309}, {34.50624, 35.34247, 37.86782}, {34.59605, 35.44687, 38.00198},           \
+    {34.68547, 35.5508, 38.13559}, {34.77449, 35.65428, 38.26864}, {34.86313, 35.7573, 38.40114},            \
+    {34.95137, 35.85987, 38.53308}, {35.03923, 35.96199, 38.66448}, {35.12671, 36.06366, 38.79533},          \
+    {35.21381, 36.16489, 38.92564}, {35.30053, 36.26567, 39.05541}, {35.38688, 36.36602, 39.18464},          \
+    {35.47286, 36.46594, 39.31334}, {35.55848, 36.56542, 39.44151}, {35.64372, 36.66448, 39.56916},          \
+    {35.72861, 36.76311, 39.69628}, {35.81313, 36.86132, 39.82288}, {35.8973, 36.95911, 39.94896},           \
+    {35.98112, 37.05648, 40.07453}, {36.06458, 37.15344, 40.19958}, {36.1477, 37.24999, 40.32412},           \
+    {36.23047, 37.34613, 40.44816}, {36.3129, 37.44186, 40.5717}, {36.39498, 37.5372, 40.69473},             \
+    {36.47673, 37.63213, 40.81727}, {36.55815, 37.72667, 40.93931}, {36.63923, 37.82082, 41.06086},          \
+    {36.71997, 37.91457, 41.18193}, {36.8004, 38.00794, 41.3025}, {36.88049, 38.10092, 41.4226},             \
+    {36.96026, 38.19351, 41.54221}, {37.03971, 38.28573, 41.66135}, {37.11885, 38.37757, 41.78001},          \
+    {37.19766, 38.46904, 41.8982}, {37.27617, 38.56013, 42.01592}, {37.35436, 38.65086, 42.13317},           \
+    {37.43224, 38.74122, 42.24997}, {37.50981, 38.83121, 42.3663}, {37.58709, 38.92084, 42.48217},           \
+    {37.66405, 39.01011, 42.59759}, {37.74072, 39.09903, 42.71256}, {37.81709, 39.18759, 42.82707},          \
+    {37.89317, 39.2758, 42.94114}, {37.96895, 39.36366, 43.05477}, {38.04443, 39.45117, 43.16796},           \
+    {38.11963, 39.53834, 43.2807}, {38.19455, 39.62517, 43.39301}, {38.26917, 39.71166, 43.50489}            \
+  }
+
+color blackbody(float temperatureK) {
+  if (temperatureK < 800) return color(1e-6, 0, 0);  // A red that no eye sees.
+  if (temperatureK >= 12000) return aerosol_blackbody(temperatureK);
+  color table[317] = AEROSOL_BLACKBODY;
+  float at = pow((temperatureK - 800) / 2, 2.0 / 3.0);
+  int i = (int)at;
+  color c = mix(table[i], table[i + 1], at - i);
+  return c * c * c * c * c;
+}
+#undef AEROSOL_BLACKBODY
 
 // Colour of monochromatic light, scaled so that no component is above 1.
 color wavelength_color(float wavelength_nm) {

@@ -17,6 +17,7 @@ using Position = std::uint32_t;
 struct Expression;
 struct Statement;
 struct FunctionDeclaration;
+struct StructDeclaration;
 struct VariableDeclaration;
 struct BuiltinOverload;  // builtins.h
 struct ClosureRow;       // closures.h
@@ -199,10 +200,14 @@ struct Return {
 struct LocalFunction {
   std::unique_ptr<FunctionDeclaration> function;
 };
+struct LocalStruct {
+  std::unique_ptr<StructDeclaration> structure;
+};
 
 struct Statement {
   Position position = 0;
-  std::variant<ExpressionStatement, DeclarationStatement, Block, If, Loop, Jump, Return, LocalFunction> node;
+  std::variant<ExpressionStatement, DeclarationStatement, Block, If, Loop, Jump, Return, LocalFunction, LocalStruct>
+      node;
 };
 
 // Declarations at file scope ------------------------------------------------------------------------------------------

@@ -101,7 +101,8 @@ void Checker::declareGlobals() {
 }
 
 void Checker::checkStruct(StructDeclaration& declaration) {
-  if (const auto known = structs_.find(declaration.name); known != structs_.end()) {
+  auto& structs = scopes_.back().structs;
+  if (const auto known = structs.find(declaration.name); known != structs.end()) {
     error(declaration.position, "structure '" + declaration.name + "' is declared twice",
           {"the other one: " + where(known->second.second)});
     return;
@@ -128,7 +129,7 @@ void Checker::checkStruct(StructDeclaration& declaration) {
   }
   structureLeaves_[structure.get()] = leaves;
   if (declaration.fields.empty()) error(declaration.position, "structure '" + declaration.name + "' has no fields");
-  structs_[declaration.name] = {structure.get(), declaration.position};
+  structs[declaration.name] = {structure.get(), declaration.position};
   result_->structs.push_back(std::move(structure));
 }
 
@@ -261,7 +262,8 @@ Type Checker::resolveType(const TypeName& name, int arrayLength, const Expressio
     const StructType* structure = findStruct(name.structName, name.position);
     if (!structure) {
       std::vector<std::string> names = {"int", "float", "string", "color", "point", "vector", "normal", "matrix"};
-      for (const auto& [known, unused] : structs_) names.push_back(known);
+      for (const Scope& scope : scopes_)
+        for (const auto& [known, unused] : scope.structs) names.push_back(known);
       const std::string note = didYouMean(name.structName, names);
       error(name.position, "unknown type '" + name.structName + "'",
             note.empty() ? std::vector<std::string>{} : std::vector<std::string>{note});
@@ -322,8 +324,11 @@ VariableDeclaration* Checker::findVariable(std::string_view name) const {
 }
 
 const StructType* Checker::findStruct(std::string_view name, Position position) const {
-  const auto found = structs_.find(name);
-  return found != structs_.end() && found->second.second <= position ? found->second.first : nullptr;
+  for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope) {
+    const auto found = scope->structs.find(name);
+    if (found != scope->structs.end() && found->second.second <= position) return found->second.first;
+  }
+  return nullptr;
 }
 
 std::vector<std::string> Checker::visibleVariables() const {

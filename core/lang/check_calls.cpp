@@ -351,7 +351,8 @@ void Checker::unknownFunction(Position position, std::string_view name) {
   for (std::string& closure : closureNames()) names.push_back(std::move(closure));
   for (const Scope& scope : scopes_)
     for (const auto& [known, unused] : scope.functions) names.push_back(known);
-  for (const auto& [known, unused] : structs_) names.push_back(known);
+  for (const Scope& scope : scopes_)
+    for (const auto& [known, unused] : scope.structs) names.push_back(known);
   std::sort(names.begin(), names.end());
   names.erase(std::unique(names.begin(), names.end()), names.end());
   const std::string note = didYouMean(name, names);

@@ -181,7 +181,7 @@ Type Checker::checkUnary(Expression& expression, Unary& unary, const Type& expec
     case UnaryOp::bitNot:
       return type == types::integer ? type : refuse();
     default:
-      if (!type.isNumber()) return refuse();
+      if (!type.isNumber() && !isScalarTriple(type)) return refuse();
       checkWritable(*unary.operand);
       return type;
   }

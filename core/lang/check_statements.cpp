@@ -39,6 +39,8 @@ void Checker::checkStatement(Statement& statement) {
     if (loopDepth_ == 0) error(statement.position, std::string("'") + word + "' stands outside of any loop");
   } else if (auto* leave = std::get_if<Return>(&statement.node)) {
     checkReturn(*leave, statement.position);
+  } else if (auto* structure = std::get_if<LocalStruct>(&statement.node)) {
+    checkStruct(*structure->structure);
   } else if (auto* local = std::get_if<LocalFunction>(&statement.node)) {
     checkFunction(*local->function);
     if (local->function->body && !functionStates_.contains(local->function.get())) checkBody(*local->function);

@@ -47,6 +47,7 @@ class Checker {
   struct Scope {
     std::map<std::string, VariableDeclaration*, std::less<>> variables;
     std::map<std::string, std::vector<FunctionDeclaration*>, std::less<>> functions;
+    std::map<std::string, std::pair<const StructType*, Position>, std::less<>> structs;
   };
   enum class State : std::uint8_t { checking, done, withoutReturn };
 
@@ -168,7 +169,6 @@ class Checker {
   std::unique_ptr<CheckedSource> result_;
   std::vector<Scope> scopes_;
   std::map<const FunctionDeclaration*, State> functionStates_;
-  std::map<std::string, std::pair<const StructType*, Position>, std::less<>> structs_;
   std::map<const StructType*, std::size_t> structureLeaves_;
   std::string shaderKind_;
   const FunctionDeclaration* function_ = nullptr;  ///< The one whose body is being checked; null in a shader's body.

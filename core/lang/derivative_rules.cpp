@@ -108,10 +108,11 @@ V floorRemainder(B& b, const Call& c) {
 // Choice and ramps
 
 V choose(B& b, V condition, V yes, V no) { return yes == zero && no == zero ? zero : b.select(condition, yes, no); }
-V minimum(B& b, const Call& c) { return choose(b, b.compare(Op::less, c.x[0], c.x[1]), c.dx[0], c.dx[1]); }
+// Of equal values, min has the change of the first one and max that of the second.
+V minimum(B& b, const Call& c) { return choose(b, b.compare(Op::less, c.x[1], c.x[0]), c.dx[1], c.dx[0]); }
 V maximum(B& b, const Call& c) { return choose(b, b.compare(Op::less, c.x[1], c.x[0]), c.dx[0], c.dx[1]); }
 V clamped(B& b, const Call& c) {
-  const V below = choose(b, b.compare(Op::less, c.x[0], c.x[2]), c.dx[0], c.dx[2]);
+  const V below = choose(b, b.compare(Op::less, c.x[2], c.x[0]), c.dx[2], c.dx[0]);
   const V upper = b.call("min", types::floating, {c.x[0], c.x[2]});
   return choose(b, b.compare(Op::less, c.x[1], upper), below, c.dx[1]);
 }
@@ -128,7 +129,7 @@ V rampChange(B& b, const Call& c, V t) {
   return b.divide(b.subtract(b.subtract(c.dx[2], c.dx[0]), stretch), width);
 }
 V isInside(B& b, const Call& c) {
-  return b.compare(Op::logicalAnd, b.compare(Op::less, c.x[0], c.x[2]), b.compare(Op::less, c.x[2], c.x[1]));
+  return b.compare(Op::logicalAnd, b.compare(Op::less, c.x[0], c.x[2]), b.compare(Op::lessEqual, c.x[2], c.x[1]));
 }
 V smoothRamp(B& b, const Call& c) {
   const V t = b.divide(b.subtract(c.x[2], c.x[0]), b.subtract(c.x[1], c.x[0]));

@@ -6,6 +6,7 @@
 
 #include "core/lang/analysis.h"
 #include "core/lang/closure_flow.h"
+#include "core/lang/closure_text.h"
 #include "core/lang/closure_values.h"
 #include "core/lang/closures.h"
 #include "core/lang/fold.h"
@@ -273,35 +274,6 @@ class ClosureExpansion : CodeWriter {
     append(Op::assign, instruction.result, {any});
   }
 
-  /// As printf shows closures: what is added, one a line.
-  VariableId textOf(const Instruction& instruction, std::size_t argument) {
-    VariableId text = constant(Constant::ofString(""));
-    for (const auto& [site, value] : held(instruction, argument)) {
-      const ClosureSite row = program_.closureSites[site];
-      std::vector<VariableId> arguments = {text, constant(Constant::ofString(row.closure)), value.linear[0]};
-      for (std::size_t i = 0; i < value.mean.size(); ++i) {
-        if (std::ranges::any_of(row.layers, [&](const ClosureLayer& layer) { return layer.weight == i; })) continue;
-        if (!isVolume() && i >= positional(row))
-          arguments.push_back(constant(Constant::ofString(row.parameterNames[i])));
-        arguments.push_back(value.mean[i]);
-      }
-      text = add(types::string, Storage::temporary, "");
-      append(Op::call, text, std::move(arguments)).function = closureText();
-    }
-    return text;
-  }
-  /// Parameters that a closure has besides its options.
-  static std::size_t positional(const ClosureSite& site) {
-    const auto rows = findClosures(site.closure);
-    return rows.empty() ? site.parameterTypes.size() : closureParameters(*rows[0]).size();
-  }
-  std::uint32_t closureText() {
-    for (std::uint32_t i = 0; i < program_.functions.size(); ++i)
-      if (program_.functions[i].symbol == "addclosuretext") return i;
-    program_.functions.push_back({"addclosuretext", true, 0, true, 0});
-    return static_cast<std::uint32_t>(program_.functions.size() - 1);
-  }
-
   void rewrite(const Code& code, Code& out) {
     Code* const outer = writeTo(&out);
     for (const Instruction& instruction : code) {
@@ -318,7 +290,7 @@ class ClosureExpansion : CodeWriter {
         for (std::size_t i = 0; i < copy.arguments.size(); ++i) {
           const VariableId argument = copy.arguments[i];
           if (argument != noVariable && program_.variables[argument].type.closure)
-            copy.arguments[i] = textOf(instruction, i);
+            copy.arguments[i] = ClosureText(*this, layers_, flow_.tops()).of(held(instruction, i));
         }
         for (std::size_t i = 0; i < copy.bodies.size(); ++i) {
           Code rewritten;

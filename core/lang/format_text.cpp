@@ -1,6 +1,7 @@
 #include "core/lang/format_text.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace aerosol::lang {
@@ -53,6 +54,21 @@ std::string print(const std::string& conversion, T value) {
   return text;
 }
 
+/// Minus and the digits of the magnitude, in the field of `spec`.
+std::string signedOctal(std::string_view spec, std::int32_t value) {
+  std::string digitsOnly = print("%llo", -static_cast<long long>(value));
+  return print(std::string(spec) + "s", ("-" + digitsOnly).c_str());
+}
+
+/// The same conversion, its field filled with blanks at the right, as OSL has it for texts.
+std::string leftAligned(std::string_view spec) {
+  std::string flagged = "%-";
+  std::size_t i = 1;
+  for (; i < spec.size() && contains(flags, spec[i]); ++i)
+    if (spec[i] == '+' || spec[i] == ' ') flagged += spec[i];
+  return flagged + std::string(spec.substr(i));
+}
+
 }  // namespace
 
 FormatKind kindOf(char conversion) {
@@ -97,15 +113,19 @@ std::string formatScalar(std::string_view conversion, const FormatScalar& value)
   if (i < conversion.size() && conversion[i] == '.') spec += "." + std::to_string(numberAt(conversion, ++i));
   const char given = conversion.back();
   if (const auto* integer = std::get_if<std::int32_t>(&value)) {
+    // Octal digits are signed, others are not.
+    if (given == 'o' && *integer < 0) return signedOctal(spec, *integer);
     return print(spec + (contains(integerConversions, given) ? given : 'd'), *integer);
   }
   if (const auto* number = std::get_if<float>(&value)) {
-    const char shown = contains(tripleConversions, given) || given == 'c' ? 'g' : 'f';
-    return print(spec + (contains(floatingConversions, given) ? given : shown), static_cast<double>(*number));
+    const std::string shown = contains(floatingConversions, given) ? std::string(1, given) : "f";
+    // What is not a number of digits begins at the left of its field, and no zeros are put before it.
+    if (!std::isfinite(*number)) spec = leftAligned(spec);
+    return print(spec + shown, static_cast<double>(*number));
   }
   const std::string_view text = std::get<std::string_view>(value);
   if (spec == "%") return std::string(text);
-  return print(spec + 's', std::string(text).c_str());
+  return print(leftAligned(spec) + 's', std::string(text).c_str());
 }
 
 std::string formatText(std::string_view format, std::span<const FormatArgument> arguments) {

@@ -156,8 +156,7 @@ class Lexer {
       return malformed(text, position);
     }
     if (countDigits(text, 0) == text.size()) {
-      const bool octal = text.size() > 1 && text[0] == '0';
-      return integer(text, octal ? 1 : 0, octal ? 8 : 10, position);
+      return integer(text, 0, 10, position);  // A zero in front has no meaning.
     }
     floating(text, position);
   }
@@ -165,15 +164,12 @@ class Lexer {
   void integer(std::string_view text, std::size_t prefix, int base, Position position) {
     std::uint64_t value = 0;
     const char* end = text.data() + text.size();
-    const auto [stopped, problem] = std::from_chars(text.data() + prefix, end, value, base);
+    const std::errc problem = std::from_chars(text.data() + prefix, end, value, base).ec;
     std::int64_t result = 0;
-    if (base == 8 && problem != std::errc::result_out_of_range && stopped != end) {
-      error(position, fmt::format("'{}' is not an octal number", text),
-            {"an integer that starts with 0 is octal, as in C"});
-    } else if (problem != std::errc() || value > (base == 10 ? 0x80000000u : 0xffffffffu)) {
+    if (problem != std::errc() || value > (base == 10 ? 0x80000000u : 0xffffffffu)) {
       error(position, fmt::format("the integer {} is too large: int has 32 bits", text));
     } else {
-      // Hexadecimal and octal numbers give the bits of the int.
+      // Hexadecimal numbers give the bits of the int.
       result =
           base == 10 ? static_cast<std::int64_t>(value) : static_cast<std::int32_t>(static_cast<std::uint32_t>(value));
     }

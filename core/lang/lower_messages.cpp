@@ -77,7 +77,7 @@ std::optional<std::string> Lowerer::expandFormat(const Call& called, std::size_t
         }
         shownBy.back() = shown == BaseType::integer ? 'd' : shown == BaseType::floating ? 'f' : 's';
       }
-      if (std::string_view("cpnvm").find(shownBy.back()) != std::string_view::npos) shownBy.back() = 'g';
+      if (std::string_view("cpnvm").find(shownBy.back()) != std::string_view::npos) shownBy.back() = 'f';
       scalars.push_back(parts[i]);
       expanded += (i > 0 ? " " : "") + shownBy;
     }

@@ -110,6 +110,7 @@ class Parser {
   StatementPtr returnStatement();
   StatementPtr jumpStatement();
   StatementPtr declarationStatement();
+  std::unique_ptr<StructDeclaration> localStruct();
   StatementPtr variables(TypeName type, Position position);
   StatementPtr expressionStatement();
   ExpressionPtr condition(std::string_view keyword);

@@ -43,9 +43,7 @@ StatementPtr Parser::statement() {
       error(position, "expected a statement, found 'else' without an 'if'");
       throw Failure();
     case TokenKind::kwStruct:
-      error(position, "expected a statement, found 'struct'", {"structs are declared at file scope"});
-      structDeclaration();
-      return makeStatement(position, Block{});
+      return makeStatement(position, LocalStruct{localStruct()});
     case TokenKind::kwPublic:
       warning(position, "'public' has no effect");
       next();
@@ -191,6 +189,14 @@ StatementPtr Parser::declarationStatement() {
   const bool isFunction = at(TokenKind::leftParen, 1) && at(TokenKind::identifier);
   if (!isFunction) return variables(std::move(type), position);
   return makeStatement(position, LocalFunction{functionDeclaration(std::move(type))});
+}
+
+/// Its name is not a type's behind the block: there, a call may be one of a function.
+std::unique_ptr<StructDeclaration> Parser::localStruct() {
+  const std::unordered_set<std::string> outside = structNames_;
+  auto result = structDeclaration();
+  structNames_ = outside;
+  return result;
 }
 
 /// From the first name to the semicolon.

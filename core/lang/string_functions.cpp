@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
+#include <limits>
 #include <string>
 
+#include "core/base/farm_hash.h"
+#include "core/lang/closures.h"
 #include "core/lang/format_text.h"
 #include "core/lang/regex.h"
 
@@ -15,14 +18,42 @@ namespace {
 constexpr std::string_view blanks = " \t\n\r\f\v";
 constexpr std::size_t result = HostCall::result;
 
-/// The number at the beginning of a text, blanks and a sign before it allowed; 0 when there is none.
-template <class Number>
-Number numberAt(std::string_view text) {
+/// What comes before a number's digits is left out.
+std::string_view fromSign(std::string_view text) {
   text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-  Number number = 0;
+  return text;
+}
+
+/// The number at the beginning of a text, blanks and a sign before it allowed; 0 when there is none, the nearest int
+/// when it is beyond them all.
+std::int32_t intAt(std::string_view text) {
+  text = fromSign(text);
+  std::int32_t number = 0;
   const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
-  return parsed.ec == std::errc() ? number : Number{0};
+  if (parsed.ec == std::errc::result_out_of_range)
+    return text.starts_with('-') ? std::numeric_limits<std::int32_t>::min() : std::numeric_limits<std::int32_t>::max();
+  return parsed.ec == std::errc() ? number : 0;
+}
+
+/// The same as a float: also hexadecimal digits behind 0x, infinite when it is too large.
+float floatAt(std::string_view text) {
+  text = fromSign(text);
+  const bool isNegative = text.starts_with('-');
+  if (isNegative) text.remove_prefix(1);
+  const bool isHexadecimal = text.starts_with("0x") || text.starts_with("0X");
+  if (isHexadecimal) text.remove_prefix(2);
+  const auto form = isHexadecimal ? std::chars_format::hex : std::chars_format::general;
+  const auto parse = [&](auto& number) {
+    return std::from_chars(text.data(), text.data() + text.size(), number, form);
+  };
+  float number = 0;
+  if (!text.starts_with('-') && parse(number).ec == std::errc::result_out_of_range) {
+    double wide = 0;  // It tells what is too small from what is too large.
+    const bool isKnown = parse(wide).ec == std::errc();
+    number = isKnown && wide < 1 ? 0 : std::numeric_limits<float>::infinity();
+  }
+  return isNegative ? -number : number;
 }
 
 FormatArgument formatArgument(const HostCall& call, std::size_t argument, unsigned lane) {
@@ -43,7 +74,9 @@ FormatArgument formatArgument(const HostCall& call, std::size_t argument, unsign
 /// The parts of a text between separators; of an empty separator, its words.
 class Parts {
  public:
-  Parts(std::string_view text, std::string_view separator) : rest_(text), separator_(separator) { skipBlanks(); }
+  Parts(std::string_view text, std::string_view separator) : rest_(text), separator_(separator), ended_(text.empty()) {
+    skipBlanks();
+  }
 
   bool atEnd() const { return ended_; }
   std::string_view next() {
@@ -71,7 +104,7 @@ class Parts {
 
   std::string_view rest_;
   std::string_view separator_;
-  bool ended_ = false;
+  bool ended_;
 };
 
 }  // namespace
@@ -100,11 +133,11 @@ void endsWithFunction(HostCall& call) {
 }
 
 void toIntFunction(HostCall& call) {
-  call.forEachLane([&](unsigned lane) { call.set(result, lane, numberAt<std::int32_t>(call.text(0, lane))); });
+  call.forEachLane([&](unsigned lane) { call.set(result, lane, intAt(call.text(0, lane))); });
 }
 
 void toFloatFunction(HostCall& call) {
-  call.forEachLane([&](unsigned lane) { call.set(result, lane, numberAt<float>(call.text(0, lane))); });
+  call.forEachLane([&](unsigned lane) { call.set(result, lane, floatAt(call.text(0, lane))); });
 }
 
 void substringFunction(HostCall& call) {
@@ -130,7 +163,9 @@ void characterFunction(HostCall& call) {
 
 void hashFunction(HostCall& call) {
   call.forEachLane([&](unsigned lane) {
-    call.set(result, lane, std::bit_cast<std::int32_t>(static_cast<std::uint32_t>(call.hash(0, lane))));
+    const std::string_view text = call.text(0, lane);
+    const std::uint64_t hash = text.empty() ? 0 : farmHash(text);
+    call.set(result, lane, std::bit_cast<std::int32_t>(static_cast<std::uint32_t>(hash)));
   });
 }
 
@@ -145,6 +180,7 @@ void splitFunction(HostCall& call) {
     for (Parts parts(text, separator); !parts.atEnd() && count < limit; ++count) {
       call.set(1, lane, count + 1 < limit ? parts.next() : parts.rest(), static_cast<std::size_t>(count));
     }
+    for (std::int64_t i = count; i < room; ++i) call.set(1, lane, std::string_view{}, static_cast<std::size_t>(i));
     call.set(result, lane, count);
   });
 }
@@ -193,14 +229,19 @@ void regexMatchFunction(HostCall& call) { regexFunction(call, true); }
 void addClosureTextFunction(HostCall& call) {
   constexpr std::size_t firstParameter = 3;
   call.forEachLane([&](unsigned lane) {
+    // Of layers, the parameters are texts of closures.
+    const bool isLayer = call.text(1, lane) == layerClosure;
     const auto show = [&](std::size_t argument) {
-      const bool isString = call.type(argument).base == BaseType::string;
+      const bool isString = call.type(argument).base == BaseType::string && !isLayer;
       const FormatArgument scalars = formatArgument(call, argument, lane);
       std::string text;
       for (const FormatScalar& scalar : scalars) {
         text += text.empty() ? "" : ", ";
         text += isString ? "\"" + formatScalar("%s", scalar) + "\""
-                         : formatScalar(scalar.index() == 0 ? "%d" : "%g", scalar);
+                         : formatScalar(isLayer && scalar.index() == 2 ? "%s"
+                                        : scalar.index() == 0          ? "%d"
+                                                                       : "%g",
+                                        scalar);
       }
       return scalars.size() > 1 ? "(" + text + ")" : text;
     };

@@ -11,23 +11,20 @@ namespace {
 constexpr std::size_t result = lang::HostCall::result;
 constexpr std::string_view separators = " \t\r\n,";
 
-/// As many numbers as there are, separated by blanks and commas, and nothing else; nothing when it is not so.
+/// As many numbers as are wanted, separated by blanks and commas; what follows is not looked at. Nothing when there are
+/// fewer.
 template <class Number>
 std::optional<std::vector<Number>> parseNumbers(std::string_view text, std::size_t count) {
   std::vector<Number> numbers;
-  for (;;) {
+  while (numbers.size() < count) {
     text.remove_prefix(std::min(text.find_first_not_of(separators), text.size()));
-    if (text.empty()) break;
     if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
     Number number{};
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const auto length = static_cast<std::size_t>(end - text.data());
-    const bool isWhole = length == text.size() || separators.find(text[length]) != std::string_view::npos;
-    if (problem != std::errc() || !isWhole || numbers.size() == count) return std::nullopt;
+    if (problem != std::errc()) return std::nullopt;
     numbers.push_back(number);
-    text.remove_prefix(length);
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   }
-  if (numbers.size() != count) return std::nullopt;
   return numbers;
 }
 

@@ -39,56 +39,22 @@ AEROSOL_INLINE F round(F x) {
   return trunc(x + copySign(F(0.499999970f), x));
 }
 
-namespace detail {
+// Remainders are the language's formulas, each step rounded, and not the exact ones: of 0.5 by 0.1, which is a little
+// above a tenth, 0 is left.
 
-/// What is left of `rest` below the divisor, by steps that each take 23 bits off the quotient: for large quotients.
-template <FloatLanes F>
-AEROSOL_INLINE F longRemainder(F rest, F divisor) {
-  using I = IntOf<F>;
-  while (any(greaterEqual(rest, divisor) & notEqual(rest, F(0.0f)))) {
-    // A multiple of b by a power of two where the quotient would overflow.
-    const float step = 1.2676506002282294e30f;  // 2^100
-    F unit = divisor;
-    unit = select(greaterEqual(rest, unit * F(step)), unit * F(step), unit);
-    unit = select(greaterEqual(rest, unit * F(step)), unit * F(step), unit);
-    const F quotient = trunc(rest / unit);
-    // The rounded quotient may be too large by half a unit in its last place: then the integer below it is right.
-    const F lower = trunc(asFloat(asInt(quotient) - I(1)));
-    const F first = fma(-quotient, unit, rest);
-    const F next = select(less(first, F(0.0f)), fma(-lower, unit, rest), first);
-    rest = select(greaterEqual(rest, divisor), next, rest);
-  }
-  return rest;
-}
-
-}  // namespace detail
-
-/// The exact remainder of a / b truncated, with the sign of a; 0 where b is 0; NaN for an infinite a.
+/// a - b trunc(a / b); 0 where b is 0 or the quotient is beyond all floats.
 template <FloatLanes F>
 AEROSOL_INLINE F fmod(F a, F b) {
-  using I = IntOf<F>;
-  const F divisor = abs(b);
-  const I bad = equal(divisor, F(0.0f)) | ~less(abs(a), F(infinity)) | isNan(b);
-  const F dividend = select(bad, F(0.0f), abs(a));
-  const F quotient = trunc(dividend / divisor);
-  // A quotient that was rounded up is one too large; what is left is then a multiple of b's last place, and exact too.
-  const F first = fma(-quotient, divisor, dividend);
-  F rest = select(less(first, F(0.0f)), first + divisor, first);
-  const I isLarge = (~less(quotient, F(4194304.0f)) | equal(divisor, F(infinity))) & ~bad;
-  if (any(isLarge)) [[unlikely]]
-    rest = select(isLarge, detail::longRemainder(select(isLarge, dividend, F(0.0f)), divisor), rest);
-  const F result = copySign(rest, a);
-  const I isNumber = less(abs(a), F(infinity)) & ~isNan(b);
-  return select(equal(b, F(0.0f)), F(0.0f), select(isNumber, result, F(notANumber)));
+  const F quotient = a / b;
+  const auto none = equal(b, F(0.0f)) | (equal(abs(quotient), F(infinity)) & less(abs(a), F(infinity)));
+  return select(none, F(0.0f), a - b * trunc(quotient));
 }
 
-/// a - b floor(a / b), exactly: with the sign of b, or 0; a where b is 0.
+/// a - b floor(a / b); a where the quotient is not finite, as a division that fails gives 0.
 template <FloatLanes F>
 AEROSOL_INLINE F mod(F a, F b) {
-  using I = IntOf<F>;
-  const F rest = fmod(a, b);
-  const I differs = less(asInt(rest) ^ asInt(b), I(0)) & notEqual(rest, F(0.0f));
-  return select(equal(b, F(0.0f)), a, select(differs, rest + b, rest));
+  const F quotient = a / b;
+  return a - b * select(less(abs(quotient), F(infinity)), floor(quotient), F(0.0f));
 }
 template <IntLanes I>
 AEROSOL_INLINE I mod(I a, I b) {

@@ -182,16 +182,12 @@ AEROSOL_INLINE F log10(F x) {
   return detail::scaledLogarithm(x, 0.434294492f, -1.010305e-08f, 0.30103001f, -1.43209888e-08f);
 }
 
-/// The exponent of x, floor(log2(|x|)); -FLT_MAX for 0.
+/// The exponent of x, floor(log2(|x|)), where x is taken to the normal floats: -126 for 0, 127 for an infinite one.
 template <FloatLanes F>
 AEROSOL_INLINE F logb(F x) {
   using I = IntOf<F>;
-  const F magnitude = abs(x);
-  const I tiny = less(magnitude, F(smallestNormal));
-  const F scaled = select(tiny, magnitude * F(16777216.0f), magnitude);
-  const I e = (asInt(scaled) >> I(23)) - select(tiny, I(127 + 24), I(127));
-  const F finite = select(equal(x, F(0.0f)), F(-largestFloat), toFloat(e));
-  return select(less(magnitude, F(infinity)), finite, magnitude);
+  const F magnitude = min(max(abs(x), F(smallestNormal)), F(largestFloat));
+  return select(isNan(x), x, toFloat((asInt(magnitude) >> I(23)) - I(127)));
 }
 
 /// x^y by the language's rules: x^0 = 1; 0^y = 0 for y other than 0; 0 for x < 0 with y no integer; never infinite: the

@@ -208,16 +208,16 @@ AEROSOL_INLINE Range<F> logBase(const Range<F>& x, const Range<F>& b) {
   return safeDivide(log(x), log(b));
 }
 
-// The wide functions take the second operand where either one is NaN.
+// The wide functions take the first operand where either one is NaN.
 template <FloatLanes F>
 AEROSOL_INLINE Range<F> min(const Range<F>& a, const Range<F>& b) {
-  const Range<F> lesser = {min(a.lo, b.lo), min(a.hi, b.hi), b.nan};
-  return select(a.nan | b.nan, Range<F>{lesser.lo, b.hi, b.nan}, lesser);
+  const Range<F> lesser = {min(a.lo, b.lo), min(a.hi, b.hi), a.nan};
+  return select(a.nan | b.nan, Range<F>{lesser.lo, a.hi, a.nan}, lesser);
 }
 template <FloatLanes F>
 AEROSOL_INLINE Range<F> max(const Range<F>& a, const Range<F>& b) {
-  const Range<F> larger = {max(a.lo, b.lo), max(a.hi, b.hi), b.nan};
-  return select(a.nan | b.nan, Range<F>{b.lo, larger.hi, b.nan}, larger);
+  const Range<F> larger = {max(a.lo, b.lo), max(a.hi, b.hi), a.nan};
+  return select(a.nan | b.nan, Range<F>{a.lo, larger.hi, a.nan}, larger);
 }
 
 namespace detail {
@@ -262,39 +262,44 @@ AEROSOL_INLINE Range<F> linearstep(const Range<F>& low, const Range<F>& high, co
 
 namespace detail {
 
-/// Is the remainder by a positive b rising over all of a, with no wrap between?
+/// Is a's quotient by one b the same whole number at both ends, and so between them? Then a remainder rises with a.
 template <FloatLanes F>
-AEROSOL_INLINE IntOf<F> withinOnePeriod(const Range<F>& a, const Range<F>& b, F atLo, F atHi) {
-  return equal(b.lo, b.hi) & less(nextUp(a.hi - a.lo), b.lo) & lessEqual(atLo, atHi);
+AEROSOL_INLINE IntOf<F> withinOnePeriod(const Range<F>& b, F quotientAtLo, F quotientAtHi) {
+  return equal(b.lo, b.hi) & equal(quotientAtLo, quotientAtHi) & less(abs(quotientAtLo), F(infinity));
+}
+/// What rounding the quotient and its product with b may add to a remainder of a.
+template <FloatLanes F>
+AEROSOL_INLINE F remainderSlack(const Range<F>& a) {
+  const F largest = max(abs(a.lo), abs(a.hi));
+  return select(less(largest, F(1e38f)), largest * F(5e-7f), F(infinity));
 }
 
 }  // namespace detail
 
-/// Sign of a, magnitude below both.
+/// Sign of a, magnitude below both, but for rounding.
 template <FloatLanes F>
 AEROSOL_INLINE Range<F> fmod(const Range<F>& a, const Range<F>& b) {
   using I = IntOf<F>;
-  const I nan = a.nan | b.nan | detail::mayBeInfinite(a);
-  const Range<F> divisor = abs(b);
-  const F atLo = fmod(a.lo, divisor.lo);
-  const F atHi = fmod(a.hi, divisor.lo);
-  const I oneSign = greaterEqual(a.lo, F(0.0f)) | lessEqual(a.hi, F(0.0f));
-  const I within = detail::withinOnePeriod(a, divisor, atLo, atHi) & oneSign;
-  const Range<F> any = {max(min(a.lo, F(0.0f)), -divisor.hi), min(max(a.hi, F(0.0f)), divisor.hi), nan};
-  return select(within, Range<F>{atLo, atHi, nan}, any);
+  const I nan = a.nan | b.nan | detail::mayBeInfinite(a) | detail::mayBeInfinite(b);
+  const I within = detail::withinOnePeriod(b, trunc(a.lo / b.lo), trunc(a.hi / b.lo)) & ~nan;
+  const F divisor = abs(b).hi;
+  const F slack = detail::remainderSlack(a);
+  const Range<F> any = {max(min(a.lo, F(0.0f)), -divisor) - slack, min(max(a.hi, F(0.0f)), divisor) + slack, nan};
+  return select(within, Range<F>{fmod(a.lo, b.lo), fmod(a.hi, b.lo), nan}, any);
 }
-/// Sign of b; a itself where b is 0.
+/// Sign of b, magnitude below it, but for rounding; a itself where the quotient is not finite.
 template <FloatLanes F>
 AEROSOL_INLINE Range<F> mod(const Range<F>& a, const Range<F>& b) {
   using I = IntOf<F>;
-  const I nan = a.nan | b.nan | detail::mayBeInfinite(a);
-  const F atLo = mod(a.lo, b.lo);
-  const F atHi = mod(a.hi, b.lo);
-  const I within = detail::withinOnePeriod(a, b, atLo, atHi) & greater(b.lo, F(0.0f));
-  Range<F> any = {min(b.lo, F(0.0f)), max(b.hi, F(0.0f)), nan};
-  any = select(detail::contains(b, 0.0f), join(any, a), any);
+  const I nan = a.nan | b.nan | detail::mayBeInfinite(b);
+  const I within = detail::withinOnePeriod(b, floor(a.lo / b.lo), floor(a.hi / b.lo)) & ~nan;
+  const Range<F> divisor = abs(b);
+  const F slack = detail::remainderSlack(a);
+  Range<F> any = {min(b.lo, F(0.0f)) - slack, max(b.hi, F(0.0f)) + slack, nan};
+  const F largest = max(abs(a.lo), abs(a.hi));
+  any = select(less(largest / divisor.lo, F(infinity)), any, join(any, a));
   any.nan = nan;
-  return select(within, Range<F>{atLo, atHi, nan}, any);
+  return select(within, Range<F>{mod(a.lo, b.lo), mod(a.hi, b.lo), nan}, any);
 }
 
 template <FloatLanes F>

@@ -60,7 +60,7 @@ TEST(Lexer, TellsOperatorsApart) {
 
 TEST(Lexer, ReadsIntegers) {
   const Lexed tokens = lex("0 42 0x1F 0XfF 017 2147483647 0xffffffff 0x80000000");
-  const std::int64_t values[] = {0, 42, 31, 255, 15, 2147483647, -1, std::numeric_limits<std::int32_t>::min()};
+  const std::int64_t values[] = {0, 42, 31, 255, 17, 2147483647, -1, std::numeric_limits<std::int32_t>::min()};
   ASSERT_EQ(tokens.size(), std::size(values));
   for (std::size_t i = 0; i < std::size(values); ++i) {
     EXPECT_EQ(tokens[i].kind, TokenKind::intLiteral);
@@ -76,7 +76,7 @@ TEST(Lexer, RefusesIntegersThatDoNotFit) {
     EXPECT_EQ(tokens.message(0), "the integer " + std::string(text) + " is too large: int has 32 bits");
     EXPECT_EQ(tokens[0].kind, TokenKind::intLiteral);
   }
-  EXPECT_EQ(lex("089").message(0), "'089' is not an octal number");
+  EXPECT_EQ(lex("089")[0].integer, 89);  // A zero in front has no meaning.
 }
 
 TEST(Lexer, ReadsFloats) {

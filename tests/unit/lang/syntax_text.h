@@ -111,6 +111,9 @@ struct StatementText {
   std::string operator()(const Jump& s) const { return s.kind == Jump::Kind::breakLoop ? "break" : "continue"; }
   std::string operator()(const Return& s) const { return "return " + text(s.value); }
   std::string operator()(const LocalFunction& s) const { return text(*s.function); }
+  std::string operator()(const LocalStruct& s) const {
+    return fmt::format("struct {} {{ {} }}", s.structure->name, text(s.structure->fields));
+  }
 };
 
 inline std::string text(const Statement& statement) { return std::visit(StatementText(), statement.node); }
