@@ -208,16 +208,16 @@ AEROSOL_INLINE Range<F> logBase(const Range<F>& x, const Range<F>& b) {
   return safeDivide(log(x), log(b));
 }
 
-// The wide functions take the first operand where either one is NaN.
+// The wide functions take the second operand where either one is NaN.
 template <FloatLanes F>
 AEROSOL_INLINE Range<F> min(const Range<F>& a, const Range<F>& b) {
-  const Range<F> lesser = {min(a.lo, b.lo), min(a.hi, b.hi), a.nan};
-  return select(a.nan | b.nan, Range<F>{lesser.lo, a.hi, a.nan}, lesser);
+  const Range<F> lesser = {min(a.lo, b.lo), min(a.hi, b.hi), b.nan};
+  return select(a.nan | b.nan, Range<F>{lesser.lo, b.hi, b.nan}, lesser);
 }
 template <FloatLanes F>
 AEROSOL_INLINE Range<F> max(const Range<F>& a, const Range<F>& b) {
-  const Range<F> larger = {max(a.lo, b.lo), max(a.hi, b.hi), a.nan};
-  return select(a.nan | b.nan, Range<F>{a.lo, larger.hi, a.nan}, larger);
+  const Range<F> larger = {max(a.lo, b.lo), max(a.hi, b.hi), b.nan};
+  return select(a.nan | b.nan, Range<F>{b.lo, larger.hi, b.nan}, larger);
 }
 
 namespace detail {
@@ -267,11 +267,12 @@ template <FloatLanes F>
 AEROSOL_INLINE IntOf<F> withinOnePeriod(const Range<F>& b, F quotientAtLo, F quotientAtHi) {
   return equal(b.lo, b.hi) & equal(quotientAtLo, quotientAtHi) & less(abs(quotientAtLo), F(infinity));
 }
-/// What rounding the quotient and its product with b may add to a remainder of a.
+/// What rounding the quotient and its product with b may add to a remainder of a: also where the quotient is so small
+/// that it becomes 0, and a negative a stays what it is.
 template <FloatLanes F>
-AEROSOL_INLINE F remainderSlack(const Range<F>& a) {
+AEROSOL_INLINE F remainderSlack(const Range<F>& a, F largestDivisor) {
   const F largest = max(abs(a.lo), abs(a.hi));
-  return select(less(largest, F(1e38f)), largest * F(5e-7f), F(infinity));
+  return select(less(largest, F(1e38f)), largest * F(5e-7f) + largestDivisor * F(1e-44f), F(infinity));
 }
 
 }  // namespace detail
@@ -283,7 +284,7 @@ AEROSOL_INLINE Range<F> fmod(const Range<F>& a, const Range<F>& b) {
   const I nan = a.nan | b.nan | detail::mayBeInfinite(a) | detail::mayBeInfinite(b);
   const I within = detail::withinOnePeriod(b, trunc(a.lo / b.lo), trunc(a.hi / b.lo)) & ~nan;
   const F divisor = abs(b).hi;
-  const F slack = detail::remainderSlack(a);
+  const F slack = detail::remainderSlack(a, divisor);
   const Range<F> any = {max(min(a.lo, F(0.0f)), -divisor) - slack, min(max(a.hi, F(0.0f)), divisor) + slack, nan};
   return select(within, Range<F>{fmod(a.lo, b.lo), fmod(a.hi, b.lo), nan}, any);
 }
@@ -294,7 +295,7 @@ AEROSOL_INLINE Range<F> mod(const Range<F>& a, const Range<F>& b) {
   const I nan = a.nan | b.nan | detail::mayBeInfinite(b);
   const I within = detail::withinOnePeriod(b, floor(a.lo / b.lo), floor(a.hi / b.lo)) & ~nan;
   const Range<F> divisor = abs(b);
-  const F slack = detail::remainderSlack(a);
+  const F slack = detail::remainderSlack(a, divisor.hi);
   Range<F> any = {min(b.lo, F(0.0f)) - slack, max(b.hi, F(0.0f)) + slack, nan};
   const F largest = max(abs(a.lo), abs(a.hi));
   any = select(less(largest / divisor.lo, F(infinity)), any, join(any, a));

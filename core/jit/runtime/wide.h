@@ -188,15 +188,15 @@ AEROSOL_INLINE IntOf<F> isNan(F x) {
   return notEqual(x, x);
 }
 
-/// The smaller one; a where they are equal or either is NaN, as the language has it (one instruction everywhere).
+/// The smaller one; b where either is NaN (one instruction everywhere).
 template <FloatLanes F>
 AEROSOL_INLINE F min(F a, F b) {
-  return select(less(b, a), b, a);
+  return select(less(a, b), a, b);
 }
-/// The larger one; a where they are equal or either is NaN.
+/// The larger one; b where either is NaN.
 template <FloatLanes F>
 AEROSOL_INLINE F max(F a, F b) {
-  return select(less(a, b), b, a);
+  return select(less(b, a), a, b);
 }
 
 /// Truncated to an int: saturating, NaN gives 0.
