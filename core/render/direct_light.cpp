@@ -222,10 +222,10 @@ volume::Task<Color> lightTexture(PathContext& path, std::uint32_t light, const s
 
 Color escapedLight(const PreparedScene& scene, Vector<World> direction, const DirectionRecord& record,
                    PathRecord* aovs) {
+  if (record.isReplaced) return {};
   const LightSet& lights = scene.lightsOf(record.links);
   Color sum;
   for (const std::uint32_t index : lights.infinite()) {
-    if (record.isReplaced && lights[index].isSampled()) continue;
     const Light::Escaped light = record.isDelta ? Light::Escaped{lights[index].escaped(direction)}
                                                 : lights.escapedWithPdf(index, record.from, direction);
     if (isBlack(light.radiance)) continue;

@@ -12,14 +12,14 @@ constexpr double equalShare = 0.1;
 
 }  // namespace
 
-LightSet::LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius)
-    : lights_(std::make_move_iterator(lights.begin()), std::make_move_iterator(lights.end())) {
+LightSet::LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius, bool samplesAll)
+    : lights_(std::make_move_iterator(lights.begin()), std::make_move_iterator(lights.end())), samplesAll_(samplesAll) {
   if (gather(sceneRadius) > few) plantTree();
   findOnly();
 }
 
 LightSet::LightSet(const LightSet& all, const std::vector<bool>& chosen, float sceneRadius)
-    : lights_(all.lights_), chosen_(chosen) {
+    : lights_(all.lights_), chosen_(chosen), samplesAll_(all.samplesAll_) {
   // Whether lights are chosen in parts must not differ: densities of both sets are compared.
   if (gather(sceneRadius) > 0 && !all.tree_.isEmpty()) plantTree();
   findOnly();
@@ -30,8 +30,9 @@ std::size_t LightSet::gather(float sceneRadius) {
   for (std::uint32_t i = 0; i < lights_.size(); ++i) {
     if (!contains(i)) continue;
     if (lights_[i]->isInfinite() && !lights_[i]->isDelta()) infinite_.push_back(i);
-    hasFound_ = hasFound_ || !lights_[i]->isSampled();
-    if (!lights_[i]->isSampled() || !(maximum(abs(lights_[i]->power(sceneRadius))) > 0)) continue;
+    const bool isFound = !samplesAll_ && !lights_[i]->isSampled();
+    hasFound_ = hasFound_ || isFound;
+    if (isFound || !(maximum(abs(lights_[i]->power(sceneRadius))) > 0)) continue;
     single_.push_back(i);
     if (lights_[i]->isVolume()) volumes_.push_back(i);
     if (const auto place = lights_[i]->place()) {

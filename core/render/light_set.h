@@ -46,8 +46,9 @@ class LightSet {
   };
 
   LightSet() = default;
-  /// `sceneRadius` bounds the scene for the power of lights at infinity.
-  LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius);
+  /// `sceneRadius` bounds the scene for the power of lights at infinity. `samplesAll`: also lights that directions find
+  /// as well (Light::isSampled), as shadow rays see less in their way than those do.
+  LightSet(std::vector<std::unique_ptr<const Light>> lights, float sceneRadius, bool samplesAll = true);
   /// Some of the lights of another set, by index, which keep their indices and, of many, their parts.
   LightSet(const LightSet& all, const std::vector<bool>& chosen, float sceneRadius);
 
@@ -140,6 +141,7 @@ class LightSet {
   std::vector<std::shared_ptr<const Light>> lights_;
   std::vector<bool> chosen_;  ///< By index; empty: all.
   std::vector<std::uint32_t> infinite_;
+  bool samplesAll_ = true;
   bool hasFound_ = false;
   std::vector<std::uint32_t> single_;   ///< Lights with power that are weighed one by one.
   std::uint32_t only_ = several;        ///< The light, where it is the only one with power.

@@ -112,7 +112,7 @@ const std::vector<EffectCase>& cases() {
        std::string(sky) + R"(<shape type="sphere"><transform name="to_world"><scale value="30"/></transform>
            <bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>
            <emitter type="point"><point name="position" x="0" y="2" z="-2"/></emitter>)",
-       {"constant-light", "point-lights", "surfaces", "clamped-indirect"},
+       {"light-sampling", "constant-light", "point-lights", "surfaces", "clamped-indirect"},
        "",
        {},
        "perspective",
@@ -250,8 +250,8 @@ const std::vector<EffectCase>& cases() {
        {"heterogeneity", "textures"}},
       {"coarse_voxels",
        sky + voxels,
-       {"volumes", "heterogeneity", "analytic-voxels", "bound-trees", "volume-scattering", "textures", "light-sampling",
-        "constant-light", "level-of-detail"},
+       {"volumes", "heterogeneity", "analytic-voxels", "bound-trees", "volume-scattering", "textures", "constant-light",
+        "level-of-detail"},
        "",
        {"heterogeneity", "textures"},
        "perspective",

@@ -166,13 +166,16 @@ std::string whiteMedium(const std::string& sigma, double g) {
                      sigma, g);
 }
 
+/// Without roulette: what is lost is lost by rounding.
+constexpr const char* noRoulette = R"(<integer name="rr_depth" value="1000000"/>)";
+
 Color one(const Ray<World>&) { return Color(1.0f); }
 
 class Furnace : public ::testing::TestWithParam<double> {};
 
 TEST_P(Furnace, SphereOfAWhiteMedium) {
   const TestScene scene =
-      loadScene("", {}, std::string(furnace) + "<volume type=\"sphere\">" + whiteMedium("3", GetParam()) + "</volume>");
+      loadScene(noRoulette, {}, std::string(furnace) + "<volume type=\"sphere\">" + whiteMedium("3", GetParam()) + "</volume>");
   EXPECT_TRUE(shows(scene, *scene.render(512), one));
 }
 
@@ -186,7 +189,7 @@ TEST_P(Furnace, ChromaticWhiteMediumOverAWhiteGround) {
 }
 
 TEST_P(Furnace, InteriorOfANullCube) {
-  const TestScene scene = loadScene("", {},
+  const TestScene scene = loadScene(noRoulette, {},
                                     std::string(furnace) + R"(<shape type="cube"><bsdf type="null"/>
       <medium type="homogeneous" name="interior"><rgb name="sigma_t" value="2"/><rgb name="albedo" value="1"/>)" +
                                         fmt::format(R"(<float name="g" value="{}"/></medium></shape>)", GetParam()));
@@ -200,14 +203,12 @@ TEST(ScriptedFurnace, BothSamplersKeepAllLight) {
   for (const char* sampling : {R"(<string name="distance" value="null"/>)",
                                R"(<string name="distance" value="marching"/><float name="step_size" value="0.2"/>)"}) {
     const TestScene scene =
-        loadScene("", {}, std::string(furnace) + R"(<volume type="sphere"><medium type="fbm">)" + sampling + R"(
+        loadScene(noRoulette, {}, std::string(furnace) + R"(<volume type="sphere"><medium type="fbm">)" + sampling + R"(
         <float name="density" value="6"/><float name="threshold" value="-0.2"/><rgb name="albedo" value="1"/></medium></volume>)");
     EXPECT_TRUE(shows(scene, *scene.render(512), one)) << sampling;
   }
 }
 
-/// Without roulette: what is lost is lost by rounding.
-constexpr const char* noRoulette = R"(<integer name="rr_depth" value="1000000"/>)";
 
 TEST(DenseFurnace, LosesNothing) {
   const TestScene scene =

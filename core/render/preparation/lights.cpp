@@ -101,6 +101,11 @@ void bindLightTextures(Preparation& state) {
   }
 }
 
+/// Whether rays that are scattered meet just what weakens light on shadow rays.
+bool directionsMeetTheSame(const PreparedScene& scene) {
+  return !scene.shadowsPass && !scene.hidesSurfaces && scene.shadowVolumes == scene.volumes;
+}
+
 void addLights(Preparation& state) {
   giveMeshAttributes(state);
   std::vector<std::unique_ptr<const Light>> lights;
@@ -156,7 +161,7 @@ void addLights(Preparation& state) {
     glowing.push_back(medium.index);
   }
   if (state.errors.hasErrors()) return;
-  state.scene->lights = LightSet(std::move(lights), 0.5f * state.sceneExtent());
+  state.scene->lights = LightSet(std::move(lights), 0.5f * state.sceneExtent(), !directionsMeetTheSame(*state.scene));
   state.links.makeSets(glowing, 0.5f * state.sceneExtent());
   state.scene->phase = state.registry.phase("henyey_greenstein");
 }
