@@ -155,6 +155,7 @@ struct CompileArguments {
   std::string outputFile;
   std::vector<std::string> defines, undefines;
   bool preprocessOnly = false, warningsAreErrors = false, quiet = false, verbose = false;
+  bool advice = false;  ///< Called as oslc: also the warnings that it does not have.
   DependencyArguments dependencies;
   std::vector<std::string> ignored;  ///< Options that mean nothing here, as they were spelled.
   KernelArguments kernels;           ///< Its shader path is searched for includes.

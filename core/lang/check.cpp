@@ -49,9 +49,10 @@ bool isDeclaredClosure(const FunctionDeclaration& function) {
                      [](const Metadata& entry) { return entry.name == "builtin"; });
 }
 
-std::unique_ptr<CheckedSource> check(SourceFile& file, const SourceMap& sourceMap, Diagnostics& diagnostics) {
-  auto result = Checker(sourceMap, diagnostics).run(file);
-  if (!diagnostics.hasErrors()) warnAboutUsage(file, sourceMap, diagnostics);
+std::unique_ptr<CheckedSource> check(SourceFile& file, const SourceMap& sourceMap, Diagnostics& diagnostics,
+                                     bool advice, bool strict) {
+  auto result = Checker(sourceMap, diagnostics, advice, strict).run(file);
+  if (!diagnostics.hasErrors()) warnAboutUsage(file, sourceMap, diagnostics, advice);
   return result;
 }
 
@@ -148,6 +149,8 @@ void Checker::checkFunction(FunctionDeclaration& function) {
 }
 
 void Checker::declareFunction(FunctionDeclaration& function) {
+  if (strict_ && scopes_.back().variables.contains(function.name))
+    error(function.position, "'" + function.name + "' is already declared in this scope as a variable");
   auto& overloads = scopes_.back().functions[function.name];
   const bool isOwn = !sourceMap_.isInPrelude(function.position);
   for (const FunctionDeclaration* other : overloads) {
@@ -183,8 +186,8 @@ void Checker::checkBody(FunctionDeclaration& function) {
   functionStates_[&function] = needsReturn && !hasReturn_ ? State::withoutReturn : State::done;
   hasReturn_ = outerReturn;
   if (needsReturn && !alwaysReturns(*function.body)) {
-    warning(function.position, "function '" + function.name + "' does not return a value on every path",
-            {"where it does not, the value is zero"});
+    advise(function.position, "function '" + function.name + "' does not return a value on every path",
+           {"where it does not, the value is zero"});
   }
 }
 
@@ -214,6 +217,12 @@ void Checker::checkShaderParameter(VariableDeclaration& parameter) {
   checkMetadata(parameter.metadata);
   if (!scopes_.back().variables.emplace(parameter.name, &parameter).second)
     error(parameter.position, "parameter '" + parameter.name + "' is declared twice");
+  if (!strict_) return;
+  if (scopes_.front().variables.contains(parameter.name)) {
+    error(parameter.position, "parameter '" + parameter.name + "' has the name of a shader global");
+  } else if (scopes_.front().functions.contains(parameter.name) || !result_->builtins.find(parameter.name).empty()) {
+    warning(parameter.position, "parameter '" + parameter.name + "' has the name of a function");
+  }
 }
 
 void Checker::checkMetadata(std::vector<Metadata>& metadata) {
@@ -226,6 +235,8 @@ void Checker::checkMetadata(std::vector<Metadata>& metadata) {
     }
     const int errors = diagnostics_.errorCount();
     type = checkInitializer(*entry.value, type, "metadata '" + entry.name + "'", Truncation::warned);
+    if (strict_ && type == types::integer && entry.value->type == types::floating)
+      error(entry.value->position, "metadata '" + entry.name + "' is an int: its value is of type float");
     if (diagnostics_.errorCount() == errors && !evaluateConstant(*entry.value))
       error(entry.value->position, "the value of metadata '" + entry.name + "' must be a constant");
   }
@@ -296,7 +307,29 @@ void Checker::declareVariable(VariableDeclaration& variable) {
           {"the other one: " + where(other->second->position)});
     return;
   }
-  warnWhenHiding(variable);
+  if (!isTaken(variable)) warnWhenHiding(variable);
+}
+
+/// True after an error. The variables of a shader's body stand in the same scope as its parameters, the shader globals
+/// and all functions; a function and each inner block have their own.
+bool Checker::isTaken(const VariableDeclaration& variable) {
+  if (!strict_ || sourceMap_.isInPrelude(variable.position)) return false;
+  const auto refuse = [&](Position other) {
+    std::vector<std::string> notes;
+    if (other != 0) notes.push_back("the other one: " + where(other));
+    notes.emplace_back("inside of a block in braces the name may be used again");
+    error(variable.position, "'" + variable.name + "' is already declared in this scope", std::move(notes));
+    return true;
+  };
+  const bool isShaderBody = !function_ && scopes_.size() == shaderBodyScopes;
+  const std::size_t first = isShaderBody ? 0 : scopes_.size() - 1;
+  for (std::size_t i = first; i < scopes_.size(); ++i) {
+    const auto other = scopes_[i].variables.find(variable.name);
+    if (other != scopes_[i].variables.end() && other->second != &variable) return refuse(other->second->position);
+    const auto function = scopes_[i].functions.find(variable.name);
+    if (function != scopes_[i].functions.end()) return refuse(function->second.front()->position);
+  }
+  return isShaderBody && !result_->builtins.find(variable.name).empty() && refuse(0);
 }
 
 void Checker::warnWhenHiding(const VariableDeclaration& variable) {
@@ -306,10 +339,10 @@ void Checker::warnWhenHiding(const VariableDeclaration& variable) {
     if (other == scopes_[i].variables.end()) continue;
     if (other->second->isGlobal) {
       if (function_) return;  // A helper's P or u is its own: it was often written for several shaders.
-      warning(variable.position, "'" + variable.name + "' hides the shader global of that name");
+      advise(variable.position, "'" + variable.name + "' hides the shader global of that name");
     } else {
-      warning(variable.position, "'" + variable.name + "' hides another variable of that name",
-              {"the other one: " + where(other->second->position)});
+      advise(variable.position, "'" + variable.name + "' hides another variable of that name",
+             {"the other one: " + where(other->second->position)});
     }
     return;
   }

@@ -31,7 +31,9 @@ inline constexpr int maximumArrayLength = 65536;
 inline constexpr std::size_t maximumStructureLeaves = 65536;  ///< Fields of fields and so on, without array lengths.
 
 /// Checks everything in the author's files, and of the standard library what they call. Errors and warnings are added
-/// to `diagnostics`; the tree may be lowered only when there are no errors.
-std::unique_ptr<CheckedSource> check(SourceFile& file, const SourceMap& sourceMap, Diagnostics& diagnostics);
+/// to `diagnostics`; the tree may be lowered only when there are no errors. Without `advice` only what oslc warns of;
+/// `strict`: see CompileOptions.
+std::unique_ptr<CheckedSource> check(SourceFile& file, const SourceMap& sourceMap, Diagnostics& diagnostics,
+                                     bool advice = true, bool strict = false);
 
 }  // namespace aerosol::lang

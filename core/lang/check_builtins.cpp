@@ -39,6 +39,12 @@ constexpr std::array<NoiseOption, 5> noiseOptions = {{{"anisotropic", types::int
 
 void Checker::checkBuiltin(const Expression& expression, Call& call) {
   const std::string_view name = call.builtin->row->name;
+  const bool isFileFormat = name == "fprintf";
+  if (isFileFormat || name == "printf" || name == "error" || name == "warning" || name == "format") {
+    const Expression& format = *call.arguments[isFileFormat ? 1 : 0];
+    if (strict_ && !std::holds_alternative<StringLiteral>(format.node))
+      warning(expression.position, std::string(name) + "() uses a format that is not a constant");
+  }
   if (name == "noise" || name == "pnoise") checkNoise(expression, call);
   if (name == "spline" || name == "splineinverse") checkSpline(expression, call);
 }

@@ -24,6 +24,11 @@ Type Checker::checkConstruct(Expression& expression, Construct& construct, const
     error(expression.position, toString(type) + "() needs a value");
     return poisoned;
   }
+  if (strict_ && type == types::string && !construct.isCast) {
+    for (const ExpressionPtr& argument : construct.arguments) check(*argument, types::none);
+    error(expression.position, "strings have no constructor", {"format(\"%g\", value) makes one of a number"});
+    return poisoned;
+  }
   if (construct.isCast || construct.arguments.size() == 1) return checkCast(expression, construct, type);
   if (type.isTriple()) return checkTriple(expression, construct, type);
   if (type == types::matrix) return checkMatrix(expression, construct);
@@ -52,7 +57,7 @@ Type Checker::checkTriple(Expression& expression, Construct& construct, const Ty
   const bool hasSpace = first == types::string;
   const std::size_t begin = hasSpace ? 1 : 0;
   const std::size_t count = arguments.size() - begin;
-  if (count != 3 && !(hasSpace && count == 1)) {
+  if (count != 3 && (strict_ || !(hasSpace && count == 1))) {
     for (std::size_t i = 1; i < arguments.size(); ++i) check(*arguments[i], types::floating);
     const std::string name = toString(type);
     error(expression.position, name + "(...) takes three numbers, with a space before them if wanted",

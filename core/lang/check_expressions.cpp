@@ -125,9 +125,9 @@ Type Checker::checkName(Expression& expression, Name& name) {
     const bool inVolume = shaderKind_ == "volume", inDisplacement = shaderKind_ == "displacement";
     if ((inVolume && isSurfaceOnly) || (inDisplacement && (name.name == "I" || name.name == "Ci")) ||
         (name.name == "Ps" && (inDisplacement || shaderKind_ == "surface"))) {
-      warning(expression.position,
-              "the shader global '" + name.name + "' is not available in " + shaderKind_ + " shaders",
-              {name.name == "Ci" ? "what it holds is not used" : "renders leave it zero"});
+      advise(expression.position,
+             "the shader global '" + name.name + "' is not available in " + shaderKind_ + " shaders",
+             {name.name == "Ci" ? "what it holds is not used" : "renders leave it zero"});
     }
   }
   return name.declaration->type;
@@ -144,18 +144,24 @@ bool Checker::checkWritable(const Expression& target) {
   if (!variable) return true;
   variable->isAssigned = true;
   if ((variable->isParameter || variable->isShaderParameter) && !variable->isOutput) {
-    warning(root->position, "parameter '" + variable->name + "' is written though it is not declared 'output'",
+    const std::string message = "parameter '" + variable->name + "' is written though it is not declared 'output'";
+    if (strict_ && variable->isShaderParameter) {
+      error(root->position, message, {"assign a copy of it"});
+      return false;
+    }
+    warning(root->position, message,
             {variable->isShaderParameter ? "assign a copy of it" : "a variable passed for it is changed, too"});
   }
   if (!variable->isGlobal || variable->name == "Ci") return true;
-  const bool writable = (variable->name == "N" && shaderKind_ != "volume" && shaderKind_ != "shader") ||
-                        (variable->name == "P" && shaderKind_ == "displacement");
-  if (!writable) {
-    const char* article = shaderKind_ == "shader" ? "generic" : shaderKind_.c_str();
-    warning(root->position,
-            "the shader global '" + variable->name + "' is not meant to be written in " + article + " shaders",
-            {"it changes for what follows, and nothing else does"});
-  }
+  const std::string_view global = variable->name;
+  const bool writable = (global == "N" && shaderKind_ != "volume" && shaderKind_ != "shader") ||
+                        (global == "P" && shaderKind_ == "displacement");
+  // oslc takes P, N and I as written by any shader, and warns of the others.
+  if (writable || (!advice_ && (global == "P" || global == "N" || global == "I"))) return true;
+  const std::string kind = shaderKind_ == "shader" ? "generic" : shaderKind_;
+  warning(root->position,
+          "the shader global '" + variable->name + "' is not meant to be written in " + kind + " shaders",
+          {"it changes for what follows, and nothing else does"});
   return true;
 }
 
@@ -267,7 +273,7 @@ Type Checker::checkConditional(Expression& expression, Conditional& conditional,
   checkCondition(*conditional.condition, "the condition of '?:'");
   const Type yes = check(*conditional.yes, expected), no = check(*conditional.no, expected);
   if (isPoisoned(yes) || isPoisoned(no)) return poisoned;
-  if (yes == no && !(yes == types::none)) return yes;
+  if (yes == no && !(yes == types::none) && !(strict_ && yes.isArray())) return yes;
   if (yes.closure && isZeroLiteral(*conditional.no)) return yes;
   if (no.closure && isZeroLiteral(*conditional.yes)) return no;
   if (!yes.isArray() && !no.isArray()) {
@@ -313,11 +319,11 @@ Type Checker::checkIndex(Expression& expression, Index& index, bool rowAllowed) 
   }
   const auto constant = evaluateConstant(*index.index);
   if (constant && (constant->asInt() < 0 || (length > 0 && constant->asInt() >= length))) {
-    warning(index.index->position,
-            "index " + std::to_string(constant->asInt()) +
-                " is out of range: " + toString(type.closure ? types::matrix : type) +
-                (length > 0 ? " has indices 0 to " + std::to_string(length - 1) : " has no negative indices"),
-            {"the nearest index is used"});
+    advise(index.index->position,
+           "index " + std::to_string(constant->asInt()) +
+               " is out of range: " + toString(type.closure ? types::matrix : type) +
+               (length > 0 ? " has indices 0 to " + std::to_string(length - 1) : " has no negative indices"),
+           {"the nearest index is used"});
   }
   return result;
 }
@@ -326,8 +332,9 @@ Type Checker::checkField(Expression& expression, Field& field) {
   const Type type = check(*field.base, types::none);
   if (isPoisoned(type)) return poisoned;
   if (isScalarTriple(type)) {
-    if (field.field.size() == 1 && std::string_view("xyzrgb").find(field.field[0]) != std::string_view::npos)
-      return types::floating;
+    const bool isColor = type.base == BaseType::color;
+    const std::string_view components = !strict_ ? "xyzrgb" : isColor ? "rgb" : "xyz";
+    if (field.field.size() == 1 && components.find(field.field[0]) != std::string_view::npos) return types::floating;
     error(expression.position, "a " + toString(type) + " has no component '" + field.field + "'",
           {"the components are .x .y .z or .r .g .b"});
     return poisoned;

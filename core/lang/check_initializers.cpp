@@ -1,4 +1,6 @@
 // What may become the value of what: assignments, initial values, lists in braces.
+#include <algorithm>
+
 #include "core/lang/checker.h"
 #include "core/lang/overload.h"
 
@@ -58,16 +60,13 @@ Type Checker::checkInitializerList(Expression& expression, InitializerList& list
     return poisoned;
   };
   if (target.isArray()) {
-    if (count == 0 && target.arrayLength == Type::unsized) {
-      error(expression.position, "an initialiser list needs at least one value");
-      return poisoned;
-    }
     if (target.arrayLength >= 0 && count > target.arrayLength)
       return tooMany(target.arrayLength, static_cast<std::size_t>(target.arrayLength));
     if (count > maximumArrayLength) return tooMany(maximumArrayLength, 0);
     for (const ExpressionPtr& element : list.elements)
       checkInitializer(*element, target.element(), "an element of the array");
-    return target.arrayLength == Type::unsized ? target.arrayOf(count) : target;
+    // Without values, and where nothing else gives some: one element, which is zero.
+    return target.arrayLength == Type::unsized ? target.arrayOf(std::max(count, 1)) : target;
   }
   if (target.base == BaseType::structure) {
     const auto& fields = target.structure->fields;

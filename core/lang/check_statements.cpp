@@ -54,6 +54,7 @@ void Checker::checkVariables(DeclarationStatement& declaration) {
       error(variable->position, "variable '" + variable->name + "' cannot be void");
       variable->type = poisoned;
     }
+    if (variable->initializer) checkListInitializer(*variable);
     if (variable->initializer) {
       const std::string what = "the initial value of '" + variable->name + "'";
       variable->type = checkInitializer(*variable->initializer, variable->type, what, Truncation::warned);
@@ -62,6 +63,23 @@ void Checker::checkVariables(DeclarationStatement& declaration) {
       variable->type.arrayLength = 1;
     }
     declareVariable(*variable);
+  }
+}
+
+/// As oslc has it: where a list in braces may stand as the initial value of a local variable, and arrays without a
+/// length may not.
+void Checker::checkListInitializer(const VariableDeclaration& variable) {
+  if (!strict_ || isPoisoned(variable.type) || sourceMap_.isInPrelude(variable.position)) return;
+  if (variable.type.arrayLength == Type::unsized)
+    return error(variable.position, "array '" + variable.name + "' needs a length: only parameters may go without");
+  const auto* list = std::get_if<InitializerList>(&variable.initializer->node);
+  if (!list) return;
+  if (list->elements.empty()) {
+    error(variable.initializer->position, "an initialiser list needs at least one value");
+  } else if (!variable.type.isArray() && !variable.type.isTriple() && variable.type.base != BaseType::structure &&
+             variable.type.base != BaseType::matrix) {
+    error(variable.initializer->position,
+          "a value in braces is for arrays, structures, triples and matrices, not for " + toString(variable.type));
   }
 }
 

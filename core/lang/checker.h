@@ -39,7 +39,8 @@ bool alwaysReturns(const Statement& statement);
 
 class Checker {
  public:
-  Checker(const SourceMap& sourceMap, Diagnostics& diagnostics) : sourceMap_(sourceMap), diagnostics_(diagnostics) {}
+  Checker(const SourceMap& sourceMap, Diagnostics& diagnostics, bool advice, bool strict)
+      : sourceMap_(sourceMap), diagnostics_(diagnostics), advice_(advice), strict_(strict) {}
 
   std::unique_ptr<CheckedSource> run(SourceFile& file);
 
@@ -78,10 +79,12 @@ class Checker {
   void declareVariable(VariableDeclaration& variable);
   void declareFunction(FunctionDeclaration& function);
   void warnWhenHiding(const VariableDeclaration& variable);
+  bool isTaken(const VariableDeclaration& variable);
 
   // check_statements.cpp
   void checkStatement(Statement& statement);
   void checkVariables(DeclarationStatement& declaration);
+  void checkListInitializer(const VariableDeclaration& variable);
   /// `notForClosures`: what stands there, where it may not be a closure.
   void checkCondition(Expression& condition, const std::string& notForClosures = {});
   void checkLoop(Loop& loop);
@@ -162,10 +165,15 @@ class Checker {
   std::vector<std::string> visibleVariables() const;
   void error(Position position, std::string message, std::vector<std::string> notes = {});
   void warning(Position position, std::string message, std::vector<std::string> notes = {});
+  /// A warning that oslc does not give.
+  void advise(Position position, std::string message, std::vector<std::string> notes = {}) {
+    if (advice_) warning(position, std::move(message), std::move(notes));
+  }
   std::string where(Position position) const;
 
   const SourceMap& sourceMap_;
   Diagnostics& diagnostics_;
+  bool advice_, strict_;
   std::unique_ptr<CheckedSource> result_;
   std::vector<Scope> scopes_;
   std::map<const FunctionDeclaration*, State> functionStates_;
@@ -176,6 +184,7 @@ class Checker {
   int loopDepth_ = 0;
   bool hasReturn_ = false;  ///< Of the function.
   int depth_ = 0;
+  static constexpr std::size_t shaderBodyScopes = 3;  ///< Of the file, of the parameters, of the body.
 };
 
 }  // namespace aerosol::lang

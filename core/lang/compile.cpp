@@ -23,13 +23,14 @@ Result<CompileOptions> withLibrary(CompileOptions options) {
   return options;
 }
 
-Result<CompiledSource> compile(Result<ParsedSource> parsed, NativeSource* natives, const ArrayLengths& lengths) {
+Result<CompiledSource> compile(Result<ParsedSource> parsed, const CompileOptions& options,
+                               const ArrayLengths& lengths) {
   if (!parsed) return parsed.errors();
   const std::vector<std::string> unsized = setArrayLengths(parsed->file, lengths);
   Diagnostics diagnostics = std::move(parsed->warnings);
-  const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics);
+  const auto checked = check(parsed->file, *parsed->sourceMap, diagnostics, options.advice, options.strict);
   if (diagnostics.hasErrors()) return diagnostics;
-  auto shader = lower(*checked, *parsed->sourceMap, diagnostics, natives);
+  auto shader = lower(*checked, *parsed->sourceMap, diagnostics, options.natives.get());
   if (!shader) return diagnostics;
   CompiledSource result;
   result.program = std::make_shared<const Program>(slice(shader->program, shader->program.outputs, Messages::keep));
@@ -59,7 +60,7 @@ Result<CompiledSource> compileFile(const std::filesystem::path& path, const Comp
                                    const ArrayLengths& lengths) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();
-  auto compiled = compile(parseShaderFile(path, *complete), options.natives.get(), lengths);
+  auto compiled = compile(parseShaderFile(path, *complete), options, lengths);
   // Whoever wrote a compiled file has heard them.
   if (compiled && path.extension() == ".oso") compiled->warnings = {};
   return compiled;
@@ -73,7 +74,7 @@ Result<CompiledSource> compileString(const std::string& text, const std::string&
                                      const ArrayLengths& lengths) {
   auto complete = withLibrary(options);
   if (!complete) return complete.errors();
-  return compile(parseString(text, name, *complete), options.natives.get(), lengths);
+  return compile(parseString(text, name, *complete), options, lengths);
 }
 
 }  // namespace aerosol::lang

@@ -19,6 +19,8 @@ struct CompileOptions {
   std::vector<std::string> undefines;               ///< Macros that are removed before `defines` count.
   std::filesystem::path standardLibrary;            ///< stdosl.h; empty: the installed one.
   std::shared_ptr<NativeSource> natives;            ///< Plugins; null: there are none.
+  bool strict = false;                              ///< Refuses and warns as oslc does, whatever has a meaning here.
+  bool advice = true;                               ///< Warnings that oslc does not give: what is unused, hidden, …
 };
 
 /// A file that the compilation looked at, or looked for in vain: what a cache entry depends on.

@@ -245,29 +245,25 @@ class Lexer {
 
   /// Appends what the escape at `at` (behind the backslash) stands for; returns the index of its last character.
   std::size_t escape(std::string_view text, std::size_t at, Position position, std::string& value) {
-    constexpr std::string_view names = "abfnrtv\\\"'?";
-    constexpr std::string_view meanings = "\a\b\f\n\r\t\v\\\"'?";
+    constexpr std::string_view names = "abfnrtv\\\"";
+    constexpr std::string_view meanings = "\a\b\f\n\r\t\v\\\"";
     if (const std::size_t found = names.find(text[at]); found != std::string_view::npos) {
       value += meanings[found];
       return at;
     }
-    const bool hex = text[at] == 'x' && at + 1 < text.size() && isHexDigit(text[at + 1]);
-    if (!hex && (text[at] < '0' || text[at] > '7')) {
+    const auto isOctal = [](char c) { return c >= '0' && c <= '7'; };
+    if (!isOctal(text[at])) {
       warning(position, fmt::format("unknown escape '\\{}' in a string: the backslash is kept", text[at]));
       value += '\\';
       value += text[at];
       return at;
     }
-    const int base = hex ? 16 : 8;
-    const std::size_t begin = hex ? at + 1 : at;
-    std::size_t end = begin;
-    while (end < text.size() && end < begin + (hex ? 2 : 3) &&
-           (hex ? isHexDigit(text[end]) : text[end] >= '0' && text[end] <= '7'))
-      ++end;
+    std::size_t end = at;
+    while (end < text.size() && end < at + 3 && isOctal(text[end])) ++end;
     unsigned code = 0;
-    std::from_chars(text.data() + begin, text.data() + end, code, base);
-    if (code == 0 || code > 255)
-      error(position, fmt::format("the escape '\\{}' is not a character", text.substr(at, end - at)));
+    std::from_chars(text.data() + at, text.data() + end, code, 8);
+    if (code == 0) return text.size();  // A string ends at its first zero.
+    if (code > 255) error(position, fmt::format("the escape '\\{}' is not a character", text.substr(at, end - at)));
     value += static_cast<char>(code & 255u);
     return end - 1;
   }

@@ -97,21 +97,16 @@ void Parser::giveUp(Position position, std::string message) {
   throw Failure();
 }
 
-/// A token that is missing at the end of a line is reported there, not at the beginning of the next.
+/// Where something is missing is told by the token that is found instead, as by other compilers of the language.
 void Parser::reportExpected(const std::string& what, std::string_view context, std::vector<std::string> notes) {
   const Token& found = peek();
   if (found.kind == TokenKind::invalid) {  // The lexer has reported it.
     lastErrorPosition_ = found.position;
     return;
   }
-  const bool isToken = what.starts_with('\'');
-  const auto message =
-      fmt::format("expected {}{}{}, found {}", what, context.empty() ? "" : " ", context, describe(found));
-  if (!isToken || index_ == 0 || map_.onSameLine(previous().position, found.position)) {
-    error(found.position, message, std::move(notes));
-  } else if (!givenUp_ && firstErrorOfItsLine(previous().position)) {
-    report(map_.errorAfter(previous().position, previous().text.size(), message, std::move(notes)));
-  }
+  error(found.position,
+        fmt::format("expected {}{}{}, found {}", what, context.empty() ? "" : " ", context, describe(found)),
+        std::move(notes));
 }
 
 void Parser::failExpected(const std::string& what, std::string_view context, std::vector<std::string> notes) {
@@ -197,8 +192,8 @@ SourceFile Parser::run() {
   return file;
 }
 
-SourceFile parseTokens(const TokenStream& tokens, const SourceMap& sourceMap, Diagnostics& diagnostics) {
-  return Parser(tokens, sourceMap, diagnostics).run();
+SourceFile parseTokens(const TokenStream& tokens, const SourceMap& sourceMap, Diagnostics& diagnostics, bool strict) {
+  return Parser(tokens, sourceMap, diagnostics, strict).run();
 }
 
 namespace {
@@ -219,13 +214,13 @@ Diagnostics sortedByPlace(const Diagnostics& diagnostics) {
   return result;
 }
 
-Result<ParsedSource> parse(const PreprocessRequest& request) {
+Result<ParsedSource> parse(const PreprocessRequest& request, bool strict) {
   PreprocessResult preprocessed = preprocess(request);
   Diagnostics diagnostics = std::move(preprocessed.diagnostics);
   if (!preprocessed.complete && diagnostics.hasErrors()) return diagnostics;
   const TokenStream tokens = tokenize(preprocessed, diagnostics);
   ParsedSource result;
-  result.file = parseTokens(tokens, *preprocessed.sourceMap, diagnostics);
+  result.file = parseTokens(tokens, *preprocessed.sourceMap, diagnostics, strict);
   diagnostics = sortedByPlace(diagnostics);
   if (diagnostics.hasErrors()) return diagnostics;
   result.sourceMap = std::move(preprocessed.sourceMap);
@@ -248,14 +243,14 @@ PreprocessRequest requestFor(const CompileOptions& options) {
 Result<ParsedSource> parseFile(const std::filesystem::path& path, const CompileOptions& options) {
   PreprocessRequest request = requestFor(options);
   request.mainFile = path.string();
-  return parse(request);
+  return parse(request, options.strict);
 }
 
 Result<ParsedSource> parseString(const std::string& text, const std::string& name, const CompileOptions& options) {
   PreprocessRequest request = requestFor(options);
   request.mainFile = name;
   request.text = text;
-  return parse(request);
+  return parse(request, options.strict);
 }
 
 }  // namespace aerosol::lang

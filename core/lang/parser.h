@@ -39,7 +39,9 @@ Result<ParsedSource> parseFile(const std::filesystem::path& path, const CompileO
 /// The same from a string; `name` stands for the file in messages, and includes are searched for in its folder.
 Result<ParsedSource> parseString(const std::string& text, const std::string& name, const CompileOptions& options);
 
-/// Parses tokens; errors go to `diagnostics`. What was understood is returned in any case.
-SourceFile parseTokens(const TokenStream& tokens, const SourceMap& sourceMap, Diagnostics& diagnostics);
+/// Parses tokens; errors go to `diagnostics`. What was understood is returned in any case. `strict`: see
+/// CompileOptions.
+SourceFile parseTokens(const TokenStream& tokens, const SourceMap& sourceMap, Diagnostics& diagnostics,
+                       bool strict = false);
 
 }  // namespace aerosol::lang

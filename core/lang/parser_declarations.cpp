@@ -123,6 +123,9 @@ Parser::ArraySpec Parser::arraySpec() {
   if (isNegative || (literal && literal->value <= 0)) error(length->position, "the length of an array is at least 1");
   if (literal) {
     spec.length = std::max(literal->value, 1);
+  } else if (strict_ && !isNegative && !std::holds_alternative<Name>(length->node)) {
+    error(length->position, "the length of an array is a whole number, not an expression");
+    spec.length = 1;
   } else {
     spec.length = Type::unsized;
     spec.expression = std::move(length);
@@ -343,6 +346,7 @@ std::vector<Metadata> Parser::metadata() {
   const bool isInBraces = next().kind == TokenKind::leftBrace;
   const TokenKind close = isInBraces ? TokenKind::rightBrace : TokenKind::rightBracket;
   next();
+  if (strict_ && at(close)) failExpected("the type of a metadata entry", "");
   while (!at(close)) {
     try {
       list.push_back(metadatum());

@@ -105,14 +105,17 @@ std::optional<UnaryOp> prefixOperator(TokenKind kind) {
   }
 }
 
-bool isTarget(const Expression& expression) {
-  return std::holds_alternative<Name>(expression.node) || std::holds_alternative<Index>(expression.node) ||
-         std::holds_alternative<Field>(expression.node);
-}
-
 constexpr std::int64_t intLimit = std::int64_t{1} << 31;
 
 }  // namespace
+
+/// By the grammar a name, or elements and fields of one, without parentheses around it.
+bool Parser::isTarget(const Parsed& expression) const {
+  const auto& node = expression.tree->node;
+  const bool isPlace =
+      std::holds_alternative<Name>(node) || std::holds_alternative<Index>(node) || std::holds_alternative<Field>(node);
+  return isPlace && (expression.isVariable || !strict_);
+}
 
 Parser::Parsed Parser::commaExpression() {
   Parsed result = assignment();
@@ -130,12 +133,15 @@ Parser::Parsed Parser::assignment() {
   return atAssignment() ? assigned(std::move(target)) : std::move(target);
 }
 
-bool Parser::atAssignment() const { return at(TokenKind::assign) || compoundOperator(peek().kind); }
+bool Parser::atAssignment() const {
+  if (strict_ && at(TokenKind::percentAssign)) return false;  // Other compilers do not have it.
+  return at(TokenKind::assign) || compoundOperator(peek().kind);
+}
 
 /// The assignment to `target` whose operator comes next.
 Parser::Parsed Parser::assigned(Parsed target) {
   const auto compound = compoundOperator(peek().kind);
-  requireTarget(*target.tree, "assigned to");
+  requireTarget(target, "assigned to");
   const Position position = next().position;
   const Nest nest(*this);
   Parsed value = assignment();
@@ -144,9 +150,9 @@ Parser::Parsed Parser::assigned(Parsed target) {
   return make(position, std::move(node), depth);
 }
 
-void Parser::requireTarget(const Expression& expression, std::string_view operation) {
+void Parser::requireTarget(const Parsed& expression, std::string_view operation) {
   if (!isTarget(expression)) {
-    error(expression.position,
+    error(expression.tree->position,
           fmt::format("expected a variable, an element or a field: this expression cannot be {}", operation));
   }
 }
@@ -181,7 +187,7 @@ Parser::Parsed Parser::unary() {
   if (!op) {
     Parsed operand = postfix();
     // An assignment is an operand, as in other compilers of the language: `a + b = c` adds `b = c` to a.
-    return isTarget(*operand.tree) && atAssignment() ? assigned(std::move(operand)) : std::move(operand);
+    return isTarget(operand) && atAssignment() ? assigned(std::move(operand)) : std::move(operand);
   }
   const Position position = next().position;
   if (*op == UnaryOp::minus && at(TokenKind::intLiteral) && peek().integer == intLimit) {
@@ -191,7 +197,7 @@ Parser::Parsed Parser::unary() {
   const Nest nest(*this);
   Parsed operand = unary();
   if (*op == UnaryOp::preIncrement || *op == UnaryOp::preDecrement) {
-    requireTarget(*operand.tree, *op == UnaryOp::preIncrement ? "incremented" : "decremented");
+    requireTarget(operand, *op == UnaryOp::preIncrement ? "incremented" : "decremented");
   }
   return make(position, Unary{*op, std::move(operand.tree)}, operand.depth);
 }
@@ -214,25 +220,43 @@ Parser::Parsed Parser::cast() {
   return make(position, std::move(node), operand.depth);
 }
 
+/// By the grammar only variables have elements and components. `f(x)[0]` and `(a + b).x` mean something all the same,
+/// and are understood unless what other compilers refuse is to be refused.
 Parser::Parsed Parser::postfix() {
+  const bool isVariable = at(TokenKind::identifier) && !at(TokenKind::leftParen, 1);
   Parsed result = primary();
+  result.isVariable = isVariable;
   while (true) {
     const Token& token = peek();
-    if (token.kind == TokenKind::leftBracket) {
+    if (token.kind == TokenKind::leftBracket || token.kind == TokenKind::period) {
       if (atMetadata()) return result;
+      if (strict_ && !result.isVariable && map_.isInMainFile(token.position)) {
+        error(token.position,
+              fmt::format("expected an operator or the end of the expression, found '{}': only "
+                          "variables have elements and components",
+                          token.text),
+              {"give the value a name first"});
+        throw Failure();
+      }
+    }
+    if (token.kind == TokenKind::leftBracket) {
       next();
       const Nest nest(*this);
       Parsed index = commaExpression();
       expect(TokenKind::rightBracket, "after the index");
       const int depth = std::max(result.depth, index.depth);
+      const bool ofVariable = result.isVariable;
       result = make(token.position, Index{std::move(result.tree), std::move(index.tree)}, depth);
+      result.isVariable = ofVariable;
     } else if (token.kind == TokenKind::period) {
       next();
       const Token& field = expectName("a field's name after '.'");
+      const bool ofVariable = result.isVariable;
       result = make(field.position, Field{std::move(result.tree), std::string(field.text)}, result.depth);
+      result.isVariable = ofVariable;
     } else if (token.kind == TokenKind::plusPlus || token.kind == TokenKind::minusMinus) {
       const bool increment = token.kind == TokenKind::plusPlus;
-      requireTarget(*result.tree, increment ? "incremented" : "decremented");
+      requireTarget(result, increment ? "incremented" : "decremented");
       next();
       const UnaryOp op = increment ? UnaryOp::postIncrement : UnaryOp::postDecrement;
       result = make(token.position, Unary{op, std::move(result.tree)}, result.depth);
@@ -262,7 +286,6 @@ Parser::Parsed Parser::primary() {
     }
     case TokenKind::kwIlluminance:
     case TokenKind::kwIlluminate:
-    case TokenKind::kwEmit:
       error(token.position,
             fmt::format("expected an expression, found the keyword '{}', which has no use in this version "
                         "of the language",
@@ -277,12 +300,16 @@ Parser::Parsed Parser::primary() {
 
 Parser::Parsed Parser::literal() {
   const Token& token = next();
+  const bool hasSuffix = token.text.ends_with('f') || token.text.ends_with('F');
+  if (strict_ && token.kind == TokenKind::floatLiteral && hasSuffix && !map_.isInPrelude(token.position))
+    error(token.position, fmt::format("'{}' is not a number: numbers have no suffix", token.text));
   if (token.kind == TokenKind::floatLiteral) return make(token.position, FloatLiteral{token.floating}, 0);
   if (token.kind == TokenKind::stringLiteral) {
     return make(token.position, StringLiteral{stream_.strings[token.string]}, 0);
   }
   std::int64_t value = token.integer;
-  if (value >= intLimit) {
+  if (value == intLimit) return make(token.position, IntLiteral{std::numeric_limits<std::int32_t>::min()}, 0);
+  if (value > intLimit) {
     error(token.position, fmt::format("the integer {} is too large: int has 32 bits", token.text));
     value = 0;
   }

@@ -16,8 +16,8 @@ namespace aerosol::lang {
 /// thrown as `Failure` to the nearest list (of statements, parameters, declarations), which skips to its next member.
 class Parser {
  public:
-  Parser(const TokenStream& tokens, const SourceMap& map, Diagnostics& diagnostics)
-      : stream_(tokens), map_(map), diagnostics_(diagnostics) {}
+  Parser(const TokenStream& tokens, const SourceMap& map, Diagnostics& diagnostics, bool strict)
+      : stream_(tokens), map_(map), diagnostics_(diagnostics), strict_(strict) {}
 
   SourceFile run();
 
@@ -28,6 +28,7 @@ class Parser {
   struct Parsed {
     ExpressionPtr tree;
     int depth = 1;
+    bool isVariable = false;  ///< A name, or an element or a field of one: what may be assigned to.
   };
 
   /// Counts one level of nesting for its lifetime.
@@ -139,13 +140,15 @@ class Parser {
   Parsed reservedExpression();
   int arguments(std::vector<ExpressionPtr>& list, std::string_view of);
   bool atCast() const;
-  void requireTarget(const Expression& expression, std::string_view operation);
+  bool isTarget(const Parsed& expression) const;
+  void requireTarget(const Parsed& expression, std::string_view operation);
   template <class Node>
   Parsed make(Position position, Node node, int depth);
 
   const TokenStream& stream_;
   const SourceMap& map_;
   Diagnostics& diagnostics_;
+  bool strict_;
   std::size_t index_ = 0;
   int nesting_ = 0;
   int openInitializers_ = 0;  ///< `{` of initialisers that an error has left open.

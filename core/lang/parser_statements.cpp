@@ -145,7 +145,8 @@ StatementPtr Parser::forStatement() {
       TypeName type = typeName();
       loop.initial = variables(std::move(type), initialPosition);
     } else {
-      loop.initial = makeStatement(initialPosition, ExpressionStatement{expression()});
+      loop.initial =
+          makeStatement(initialPosition, ExpressionStatement{strict_ ? assignmentExpression() : expression()});
       expect(TokenKind::semicolon, "after the start of 'for'");
     }
   }
@@ -204,7 +205,13 @@ StatementPtr Parser::variables(TypeName type, Position position) {
   DeclarationStatement result;
   do {
     auto variable = declaredVariable(type, "a variable's name");
-    if (accept(TokenKind::assign)) variable->initializer = assignmentExpression();
+    if (accept(TokenKind::assign)) {
+      const bool isArray = variable->arrayLength != Type::scalar || variable->lengthExpression;
+      if (strict_ && isArray && !at(TokenKind::leftBrace))
+        error(peek().position, fmt::format("expected '{{' before the values of the array '{}', found {}",
+                                           variable->name, describe(peek())));
+      variable->initializer = assignmentExpression();
+    }
     if (atMetadata()) {
       error(peek().position, "expected ';' after the declaration, found '[['",
             {"only shaders, functions and parameters have metadata"});

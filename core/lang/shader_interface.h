@@ -19,7 +19,7 @@ struct ParameterInterface {
   bool isOutput = false;
   std::string structName;                     ///< Of structures: the name of the type.
   std::vector<std::string> fields;            ///< Of structures.
-  std::optional<ConstantValue> defaultValue;  ///< Nothing where a point computes it, and of structures.
+  std::optional<ConstantValue> defaultValue;  ///< Nothing where it is computed, as oslc sees it, and of structures.
   std::vector<MetadataValue> metadata;
 };
 

@@ -72,17 +72,6 @@ Diagnostic SourceMap::diagnostic(Severity severity, Position position, std::stri
           std::move(notes)};
 }
 
-Diagnostic SourceMap::errorAfter(Position position, std::size_t length, std::string message,
-                                 std::vector<std::string> notes) const {
-  Diagnostic result = error(position, std::move(message), std::move(notes));
-  if (!expansionNote(position).empty()) return result;
-  result.location.column += static_cast<int>(length);
-  // A token that goes on after a line continuation ends with its first line.
-  const auto lineLength = static_cast<int>(sourceLine(position).size());
-  result.location.column = std::min(result.location.column, std::max(lineLength + 1, 1));
-  return result;
-}
-
 bool SourceMap::warningsSuppressed(Position position) const {
   const Entry& e = entry(position);
   return warningsSuppressed(e.file, e.line);

@@ -47,10 +47,6 @@ class SourceMap {
     return diagnostic(Severity::warning, position, std::move(message), std::move(notes));
   }
 
-  /// An error just behind the token at `position`, whose text is `length` bytes long: where something is missing.
-  Diagnostic errorAfter(Position position, std::size_t length, std::string message,
-                        std::vector<std::string> notes = {}) const;
-
   /// Whether `#pragma osl nowarn` stands on the line before: warnings at this position are not wanted.
   bool warningsSuppressed(Position position) const;
   bool warningsSuppressed(std::uint32_t file, std::uint32_t line) const;

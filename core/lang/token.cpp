@@ -20,7 +20,6 @@ constexpr Spelling keywords[] = {
     {TokenKind::kwContinue, "continue"},
     {TokenKind::kwDo, "do"},
     {TokenKind::kwElse, "else"},
-    {TokenKind::kwEmit, "emit"},
     {TokenKind::kwFloat, "float"},
     {TokenKind::kwFor, "for"},
     {TokenKind::kwIf, "if"},
@@ -92,11 +91,12 @@ constexpr Spelling punctuation[] = {
     {TokenKind::shiftRightAssign, ">>="},
 };
 
+/// The specification reserves a few more (catch, delete, goto, new, operator, throw, try, volatile; emit as a keyword),
+/// which oslc takes as names.
 constexpr std::string_view reservedWords[] = {
-    "bool",    "case",    "catch",  "char",     "class",   "const",    "default",  "delete",   "double",  "enum",
-    "extern",  "false",   "friend", "goto",     "inline",  "long",     "new",      "operator", "private", "protected",
-    "short",   "signed",  "sizeof", "static",   "switch",  "template", "this",     "throw",    "true",    "try",
-    "typedef", "uniform", "union",  "unsigned", "varying", "virtual",  "volatile",
+    "bool",     "case",   "char", "class",   "const",     "default", "double",   "enum",    "extern",  "false",
+    "friend",   "inline", "long", "private", "protected", "short",   "signed",   "sizeof",  "static",  "switch",
+    "template", "this",   "true", "typedef", "uniform",   "union",   "unsigned", "varying", "virtual",
 };
 
 std::unordered_map<std::string_view, TokenKind> makeWords() {

@@ -26,7 +26,6 @@ enum class TokenKind : std::uint8_t {
   kwContinue,
   kwDo,
   kwElse,
-  kwEmit,
   kwFloat,
   kwFor,
   kwIf,

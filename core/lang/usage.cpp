@@ -37,7 +37,8 @@ bool alwaysJumps(const Statement& statement) {
 /// One walk in the order of evaluation. `assigned_` holds what may have been set on some path to where the walk is.
 class Usage {
  public:
-  Usage(const SourceMap& sourceMap, Diagnostics& diagnostics) : sourceMap_(sourceMap), diagnostics_(diagnostics) {}
+  Usage(const SourceMap& sourceMap, Diagnostics& diagnostics, bool advice)
+      : sourceMap_(sourceMap), diagnostics_(diagnostics), advice_(advice) {}
 
   void run(const SourceFile& file) {
     for (const auto& declaration : file.declarations) {
@@ -49,7 +50,7 @@ class Usage {
       }
     }
     for (const VariableDeclaration* variable : locals_) {
-      if (reads_.contains(variable) || !sourceMap_.isInMainFile(variable->position)) continue;
+      if (!advice_ || reads_.contains(variable) || !sourceMap_.isInMainFile(variable->position)) continue;
       const char* what = writes_.contains(variable) ? "' is set but never read" : "' is never used";
       warn(variable->position, "variable '" + variable->name + what);
     }
@@ -100,7 +101,7 @@ class Usage {
       walk(*statement);
       const bool isLast = i + 1 == block.statements.size();
       if (isLast || reported || !block.statements[i + 1] || !alwaysJumps(*statement)) continue;
-      warn(block.statements[i + 1]->position, "this statement is never reached");
+      if (advice_) warn(block.statements[i + 1]->position, "this statement is never reached");
       reported = true;
     }
   }
@@ -266,7 +267,8 @@ class Usage {
     if (!variable || onlyGathers_) return;
     reads_.insert(variable);
     if (!uninitialized_.contains(variable) || assigned_.contains(variable)) return;
-    warn(position, "'" + variable->name + "' is read before anything is assigned to it", {"its value is zero here"});
+    if (advice_)
+      warn(position, "'" + variable->name + "' is read before anything is assigned to it", {"its value is zero here"});
     uninitialized_.erase(variable);
   }
 
@@ -292,14 +294,15 @@ class Usage {
   Variables reads_, writes_;
   Variables assigned_, uninitialized_;
   std::unordered_set<const Expression*> reportedCommas_;
+  bool advice_;
   bool onlyGathers_ = false;  ///< Only what is assigned is of interest.
   std::vector<std::pair<Position, Diagnostic>> warnings_;
 };
 
 }  // namespace
 
-void warnAboutUsage(const SourceFile& file, const SourceMap& sourceMap, Diagnostics& diagnostics) {
-  Usage(sourceMap, diagnostics).run(file);
+void warnAboutUsage(const SourceFile& file, const SourceMap& sourceMap, Diagnostics& diagnostics, bool advice) {
+  Usage(sourceMap, diagnostics, advice).run(file);
 }
 
 }  // namespace aerosol::lang

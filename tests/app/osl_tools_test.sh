@@ -81,10 +81,102 @@ mkdir folder
 expect 1 compile -o folder many.osl
 said err "folder: error: cannot write this file"
 
+echo 'shader part(float whole = 2) { int x = whole; printf("%d\n", x); }' >part.osl
+shows 0 oslc part.osl <<'OUT'
+part.osl:1: warning: the initial value of 'x' is of type float, which is truncated to int
+Compiled part.osl -> part.oso
+OUT
+shows 1 oslc -Werror part.osl <<'OUT'
+part.osl:1: error: the initial value of 'x' is of type float, which is truncated to int
+FAILED part.osl
+OUT
+printf 'shader open(output float x = 0) {\n  x = 1\n  x = 2;\n}\n' >unended.osl
+shows 1 oslc unended.osl <<'OUT'
+unended.osl:3: error: expected ';' after the expression, found 'x'
+FAILED unended.osl
+OUT
+cat >scopes.osl <<'OSL'
+float helper(float x, float P) {
+  float sin = x;
+  return sin + P;
+}
+float helper2(float x) {
+  float x = 1;
+  return x;
+}
+shader scopes(float a = 1, float b = 1, float u = 2, float cos = 3, output float r = 0) {
+  float a = 2;
+  float v = 3;
+  float helper = 4;
+  float tan = 5;
+  float once = 6;
+  int once() { return 1; }
+  { float a = 7, v = 8, tan = 9; r = a + v + tan; }
+  b = 3;
+  time = 4;
+  P = 5;
+}
+OSL
+shows 1 oslc scopes.osl <<'OUT'
+scopes.osl:6: error: 'x' is declared twice in the same scope
+scopes.osl:9: error: parameter 'u' has the name of a shader global
+scopes.osl:9: warning: parameter 'cos' has the name of a function
+scopes.osl:10: error: 'a' is already declared in this scope
+scopes.osl:11: error: 'v' is already declared in this scope
+scopes.osl:12: error: 'helper' is already declared in this scope
+scopes.osl:13: error: 'tan' is already declared in this scope
+scopes.osl:15: error: 'once' is already declared in this scope as a variable
+scopes.osl:17: error: parameter 'b' is written though it is not declared 'output'
+scopes.osl:18: warning: the shader global 'time' is not meant to be written in generic shaders
+FAILED scopes.osl
+OUT
+cat >values.osl <<'OSL'
+shader values(color c = 1, output float r = 0) {
+  vector w = 1;
+  r = c.x + w.g;
+  color one = color("rgb", 1);
+  string s = string("a");
+  float list[] = {1, 2};
+  float few[2] = {};
+  float single = {1};
+  int ints[2] = {1, 2};
+  ints = r > 0 ? ints : ints;
+  printf(s);
+}
+OSL
+shows 1 oslc values.osl <<'OUT'
+values.osl:3: error: a color has no component 'x'
+values.osl:3: error: a vector has no component 'g'
+values.osl:4: error: color(...) takes three numbers, with a space before them if wanted
+values.osl:5: error: strings have no constructor
+values.osl:6: error: array 'list' needs a length: only parameters may go without
+values.osl:7: error: an initialiser list needs at least one value
+values.osl:8: error: a value in braces is for arrays, structures, triples and matrices, not for float
+values.osl:10: error: the two values of '?:' do not go together: int[2] and int[2]
+values.osl:11: warning: printf() uses a format that is not a constant
+FAILED values.osl
+OUT
+printf '#include "vector2.h"\nshader pair(output float x = 0) { vector2 a = vector2(1, 2); x = (a + a).x; }\n' >pair.osl
+shows 1 oslc pair.osl <<'OUT'
+pair.osl:2: error: expected an operator or the end of the expression, found '.': only variables have elements and components
+FAILED pair.osl
+OUT
+sed -i 's/x = (a + a).x/a = a + a; x = a.x/' pair.osl
+shows 0 oslc -q pair.osl </dev/null
+expect 0 compile pair.osl
+rm many.oso part.oso
+expect 0 compile -q many.osl part.osl
+expect 0 compile -v many.osl part.osl
+[ ! -e many.oso ] && [ ! -e part.oso ] || fail "compile writes files that nobody has named"
+shows 0 oslc -q many.osl </dev/null
+
 echo "-- a compiled file stands for its source"
 echo 'shader idle() { float nothing = 1; printf("idle\n"); }' >idle.osl
-shows 0 oslc idle.osl <<'OUT'
+shows 0 oslc -Wall idle.osl <<'OUT'
 idle.osl:1: warning: variable 'nothing' is never used
+Compiled idle.osl -> idle.oso
+OUT
+shows 0 oslc -Werror idle.osl <<'OUT'
 Compiled idle.osl -> idle.oso
 OUT
 shows 0 testshade idle <<'OUT'
@@ -149,6 +241,26 @@ shows 0 oslinfo open.osl <<'OUT'
 shader "open"
 float[] list  [ 1 2.5 ]
 string[] s "a" 
+OUT
+cat >computed.osl <<'OSL'
+struct Pair { float a; float b; };
+shader computed(int whole = 1 + 2 * 3, float third = 1.0 / 3, float cast = (float)3, float minus = -1.5,
+                color sum = color(1) + 1, color negative = -color(1), color parts = color(-1, 2, 3), string s = concat("a", "b"),
+                Pair pair = {1, 1.0 + 2}) { printf("%g %g\n", third, parts); }
+OSL
+shows 0 oslinfo computed.osl <<'OUT'
+shader "computed"
+int whole  7
+float third nodefault
+float cast nodefault
+float minus  -1.5
+color sum nodefault
+color negative nodefault
+color parts  [ -1 2 3 ]
+string s nodefault
+struct Pair pair fields: {float a, float b}
+float pair.a  1
+float pair.b nodefault
 OUT
 shows 1 oslinfo nothing <<'OUT'
 ERROR opening shader "nothing" (File "nothing" could not be found.)

@@ -98,7 +98,9 @@ std::vector<OptionRow> Reader::rows() {
       {"MMD,write-user-dependencies", "", "The same without the standard library", dependencies(false, false)},
       {"MF", "FILE", "Write the rule there", setText(arguments.dependencies.file)},
       {"MT", "TARGET", "Name of the rule's target", setText(arguments.dependencies.target)},
-      {"O,O0,O1,O2,O3,d,g,Wall,Wextra,embed-source,buffer", "", "", ignore},
+      {"Wall,Wextra", "", "As oslc: warn of what is unused, hidden, never reached … too, as compile always does",
+       setFlag(arguments.advice)},
+      {"O,O0,O1,O2,O3,d,g,embed-source,buffer", "", "", ignore},
       {"width", "16|8|4|1", "Points that compiled shaders work on at once [best of the machine]",
        [&kernels](const OptionUse& use) -> Problem {
          const std::string& text = use.value();

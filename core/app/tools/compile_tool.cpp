@@ -44,7 +44,7 @@ class FileCompiler {
   bool compile(const fs::path& file);
 
  private:
-  bool writeCompiledFile(const fs::path& file, const lang::Preprocessed& source);
+  bool compileSource(const fs::path& file, const lang::Preprocessed& source);
   bool writeDependencies(const fs::path& file, const lang::Preprocessed& source);
   bool write(const fs::path& file, const std::string& text);
   bool report(const Diagnostics& diagnostics);
@@ -100,10 +100,12 @@ bool FileCompiler::writeDependencies(const fs::path& file, const lang::Preproces
   return write(wanted.file.empty() ? fs::path(file).replace_extension(".d") : fs::path(wanted.file), rule);
 }
 
-bool FileCompiler::writeCompiledFile(const fs::path& file, const lang::Preprocessed& source) {
+/// Only oslc writes a compiled file that nobody has named.
+bool FileCompiler::compileSource(const fs::path& file, const lang::Preprocessed& source) {
   auto compiled = lang::compileFile(file, options_);
   if (!compiled) return report(compiled.errors());
   if (!report(compiled->warnings)) return false;
+  if (!isOslc_ && arguments_.outputFile.empty()) return true;
   const lang::Program& program = *compiled->program;
   const std::string target = arguments_.outputFile.empty() ? program.name + ".oso" : arguments_.outputFile;
   if (!write(target, lang::compiledFileText(source, program.kind, program.name, {"from " + file.string()})))
@@ -125,7 +127,7 @@ bool FileCompiler::compile(const fs::path& file) {
     console_.print(source->text);
     return true;
   }
-  return writeCompiledFile(file, *source);
+  return compileSource(file, *source);
 }
 
 }  // namespace
@@ -169,6 +171,8 @@ ExitCode compileTool(const ToolArguments& call, const Console& console) {
   options.includePaths.push_back(installation->shaders);
   options.defines = arguments.defines;
   options.undefines = arguments.undefines;
+  options.strict = call.isOsl;
+  options.advice = !call.isOsl || arguments.advice;
   options.standardLibrary = installation->shaders / "stdosl.h";
   std::vector<fs::path> folders = {""};
   for (const fs::path& file : arguments.shaders) folders.push_back(file.parent_path());

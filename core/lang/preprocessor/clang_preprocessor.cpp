@@ -242,6 +242,7 @@ class Collector final : public clang::DiagnosticConsumer {
       case clang::diag::ext_unterminated_char_or_string:
       case clang::diag::ext_empty_character:
       case clang::diag::warn_pragma_ignored:
+      case clang::diag::pp_pragma_once_in_main_file:  // Headers are compiled alone, too.
         return true;
       default:
         return false;
@@ -288,14 +289,21 @@ std::string restOfLine(clang::Preprocessor& preprocessor) {
   return text;
 }
 
-/// `#pragma osl nowarn`; what else follows `osl` is left to other compilers.
+/// `#pragma osl nowarn`; what else follows `osl` is unknown.
 class OslPragma final : public clang::PragmaHandler {
  public:
   OslPragma(Client& client, Places& places) : PragmaHandler("osl"), client_(client), places_(places) {}
 
   void HandlePragma(clang::Preprocessor& preprocessor, clang::PragmaIntroducer introducer, clang::Token&) override {
     const clang::SourceLocation location = preprocessor.getSourceManager().getFileLoc(introducer.Loc);
-    if (restOfLine(preprocessor) == "nowarn") client_.noWarnings(places_.file(location));
+    const auto& sources = preprocessor.getSourceManager();
+    const std::string text = restOfLine(preprocessor);
+    if (text == "nowarn") {
+      client_.noWarnings(places_.file(location));
+    } else {
+      sendMessage(client_, places_, sources, MessageLevel::warning, location,
+                  "unknown pragma '" + text + "' is ignored");
+    }
   }
 
  private:

@@ -70,7 +70,7 @@ TEST(Lexer, ReadsIntegers) {
 }
 
 TEST(Lexer, RefusesIntegersThatDoNotFit) {
-  for (const char* text : {"2147483649", "99999999999999999999999", "0x100000000", "040000000000"}) {
+  for (const char* text : {"2147483649", "99999999999999999999999", "0x100000000", "0040000000000"}) {
     const Lexed tokens = lex(text);
     ASSERT_EQ(tokens.diagnostics.errorCount(), 1) << text;
     EXPECT_EQ(tokens.message(0), "the integer " + std::string(text) + " is too large: int has 32 bits");
@@ -118,17 +118,17 @@ TEST(Lexer, SplitsHexadecimalNumbersFromSigns) {
 }
 
 TEST(Lexer, JoinsStringsAndResolvesEscapes) {
-  const Lexed tokens = lex(R"("a\n" "\x41\102" "\\\"" "" x "z")");
+  const Lexed tokens = lex(R"("a\n" "\101\102" "\\\"" "" x "z" "y\0lost" "\7")");
   ASSERT_EQ(tokens.size(), 3u);
   EXPECT_EQ(tokens.stream.strings[tokens[0].string], "a\nAB\\\"");
-  EXPECT_EQ(tokens.stream.strings[tokens[2].string], "z");
+  EXPECT_EQ(tokens.stream.strings[tokens[2].string], "zy\a");  // A zero ends its literal.
   EXPECT_TRUE(tokens.diagnostics.empty());
 }
 
 TEST(Lexer, KeepsUnknownEscapesWithAWarning) {
-  const Lexed tokens = lex(R"("\.%")");
-  EXPECT_EQ(tokens.stream.strings[tokens[0].string], "\\.%");
-  ASSERT_EQ(tokens.diagnostics.entries().size(), 1u);
+  const Lexed tokens = lex(R"("\.%\x41\'\?\e")");
+  EXPECT_EQ(tokens.stream.strings[tokens[0].string], "\\.%\\x41\\'\\?\\e");
+  ASSERT_EQ(tokens.diagnostics.entries().size(), 5u);
   EXPECT_EQ(tokens.diagnostics.entries()[0].severity, Severity::warning);
 }
 
@@ -138,7 +138,7 @@ TEST(Lexer, RefusesBadStringsAndCharacters) {
       {"'c'", "character constant 'c': strings stand in double quotes"},
       {"'c", "this character constant does not end on its line; strings stand in double quotes"},
       {"L\"x\"", "the prefix of the string L\"x\" is not part of the language"},
-      {"\"\\0\"", "the escape '\\0' is not a character"},
+      {"\"\\777\"", "the escape '\\777' is not a character"},
       {"@", "stray '@'"},
       {"`", "stray '`'"},
       {"a$", "stray '$'"},

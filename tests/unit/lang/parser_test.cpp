@@ -22,9 +22,12 @@ std::string statement(const std::string& source) {
 }
 
 /// "line:column: message" of each error.
-std::vector<std::string> errorsOf(const std::string& source) {
+std::vector<std::string> errorsOf(const std::string& source, bool strict = false) {
   std::vector<std::string> lines;
-  const auto result = parseString(source, "test.osl", {});
+  CompileOptions options;
+  options.strict = strict;
+  const auto result = parseString(source, "test.osl", options);
+  if (result) return lines;
   for (const Diagnostic& entry : result.errors().entries()) {
     lines.push_back(fmt::format("{}:{}: {}", entry.location.line, entry.location.column, entry.message));
   }
@@ -161,10 +164,34 @@ TEST(Parser, ReportsSeveralErrorsInOneRun) {
                         "4:17: expected '=' and the initial value of the parameter 'z', found ')'",
                         "5:13: expected an expression, found ';'",
                         "6:9: expected ')' after the condition, found '{'",
-                        "7:8: expected ';' after the expression, found 'y'",
+                        "8:3: expected ';' after the expression, found 'y'",
                         "9:10: expected an expression, found ','",
                         "11:18: expected an expression, found '*'",
                     }));
+}
+
+TEST(Parser, OnlyVariablesHaveElementsAndAreAssignedTo) {
+  const auto of = [](const std::string& text) { return errorsOf("shader a() { " + text + " }", true); };
+  const auto refused = [](int column, const std::string& found) {
+    return std::vector<std::string>{"1:" + std::to_string(column) +
+                                    ": expected an operator or the end of the expression, found '" + found +
+                                    "': only variables have elements and components"};
+  };
+  EXPECT_EQ(of("x = f(a)[1];"), refused(22, "["));
+  EXPECT_EQ(of("x = (a + b).x;"), refused(25, "."));
+  EXPECT_EQ(of("x = color(1, 2, 3)[0];"), refused(32, "["));
+  EXPECT_EQ(errorsOf("shader a() { x = f(a)[1] + (a + b).x; }").size(), 0u);
+  EXPECT_EQ(errorsOf("shader a() { f(a)[1] = 2; }").size(), 1u);
+  EXPECT_EQ(of("(x) = 1;").size(), 1u);
+  EXPECT_EQ(of("x %= 2;").size(), 1u);
+  EXPECT_EQ(of("for (i = 0, j = 0; i < 2; ++i) ;").size(), 1u);
+  EXPECT_EQ(of("for (i = 0; i < 2; ++i, ++j) ;").size(), 0u);
+  EXPECT_EQ(of("float a[1 + 1];").size(), 1u);
+  EXPECT_EQ(of("float a[2] = b;").size(), 1u);
+  EXPECT_EQ(of("float catch = 1, new = 2, emit = 3;").size(), 0u);
+  EXPECT_EQ(of("float union = 1;").size(), 1u);
+  EXPECT_EQ(of("x = 1.5f;"), (std::vector<std::string>{"1:18: '1.5f' is not a number: numbers have no suffix"}));
+  EXPECT_EQ(of("x = 0xff;").size(), 0u);
 }
 
 TEST(Parser, StopsAfterAHundredErrors) {
