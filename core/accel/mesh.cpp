@@ -97,6 +97,16 @@ void resolveNormals(TriangleMesh& mesh) {
   mesh.faceNormals = mesh.flipNormals = false;
 }
 
+void windByNormals(TriangleMesh& mesh) {
+  if (mesh.normals.empty()) return;
+  for (auto& triangle : mesh.triangles) {
+    const Double3 a = toDouble(mesh.positions[triangle[0]]);
+    const Double3 outside = cross(toDouble(mesh.positions[triangle[1]]) - a, toDouble(mesh.positions[triangle[2]]) - a);
+    const auto opposes = [&](std::uint32_t corner) { return dot(outside, toDouble(mesh.normals[corner])) < 0; };
+    if (opposes(triangle[0]) && opposes(triangle[1]) && opposes(triangle[2])) std::swap(triangle[1], triangle[2]);
+  }
+}
+
 void transformMesh(TriangleMesh& mesh, const Transform<World, Object>& toWorld) {
   const Matrix4 &forward = toWorld.matrix(), &inverse = toWorld.inverseMatrix();
   for (auto& p : mesh.positions) p = toFloat<Point<World>>(mapPoint(forward, toDouble(p)));

@@ -47,6 +47,9 @@ std::array<float, 4> valueAt(const TriangleMesh& mesh, const MeshAttribute& attr
 /// ones.
 void resolveNormals(TriangleMesh& mesh);
 
+/// Turns triangles around of which all normals of the corners point to the other side; without normals nothing.
+void windByNormals(TriangleMesh& mesh);
+
 /// Takes the mesh's coordinates as object space and moves it to world space. Under a mirroring map the winding is
 /// reversed, so that the outside stays outside.
 void transformMesh(TriangleMesh& mesh, const Transform<World, Object>& toWorld);

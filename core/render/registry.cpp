@@ -72,6 +72,8 @@ NamedLight nameLight(const scene::Emitter& emitter) {
                {"sun_scale", emitter.sunScale},
                {"sky_scale", emitter.skyScale},
                {"sun_aperture", emitter.sunAperture},
+               {"complex_sun", emitter.complexSun},
+               {"albedo", emitter.groundAlbedo},
                {"to_world", emitter.toWorld.matrix()}}};
   }
   return {};

@@ -18,4 +18,15 @@ inline bool isRotation(const Matrix4& m) {
   return true;
 }
 
+/// A matrix without the factor on lengths that it may have, the same in all directions.
+inline Matrix4 withoutScale(const Matrix4& m) {
+  const double length = std::sqrt(m[0][0] * m[0][0] + m[1][0] * m[1][0] + m[2][0] * m[2][0]);
+  Matrix4 unit = m;
+  if (!(length > 0)) return unit;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) unit[i][j] /= length;
+  }
+  return unit;
+}
+
 }  // namespace aerosol::render

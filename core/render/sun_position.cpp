@@ -43,7 +43,7 @@ Vector<Object> sunDirection(const scene::SunPlace& place) {
       -std::sin(hourAngle), std::tan(declination) * std::cos(latitude) - std::sin(latitude) * std::cos(hourAngle));
   zenith += 6371.01 / 149597890 * std::sin(zenith);
   const double sine = std::sin(zenith);
-  return {static_cast<float>(std::cos(azimuth) * sine), static_cast<float>(std::sin(azimuth) * sine),
+  return {static_cast<float>(-std::cos(azimuth) * sine), static_cast<float>(-std::sin(azimuth) * sine),
           static_cast<float>(std::cos(zenith))};
 }
 

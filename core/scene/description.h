@@ -309,8 +309,10 @@ struct Emitter {
   float turbidity = 3;
   float sunScale = 1;
   float skyScale = 1;
-  float sunAperture = 0.5338f;  ///< Degrees across the disc.
-  int resolution = 512;         ///< Of a background: columns of the picture that its shader gives.
+  float sunAperture = 0.5358f;  ///< Degrees across the disc.
+  bool complexSun = false;      ///< Darker towards the limb.
+  Color groundAlbedo{0.3f, 0.3f, 0.3f};
+  int resolution = 512;  ///< Of a background: columns of the picture that its shader gives.
   /// A shader among the materials, of which the weight of the only closure multiplies what is emitted; of a background
   /// the one that tells its radiance.
   std::optional<std::size_t> texture;

@@ -44,7 +44,7 @@ class IntegratorReader {
 
   std::vector<AovRequest> read(const Element& element) {
     const TypeTable<Integrator>* type = findType(integratorTypes(), element.type);
-    const bool isWrapper = type && (type->type == "aov" || type->type == "moment");
+    const bool isWrapper = type && (type->type == "aov" || type->type == "moment" || type->type == "stokes");
     if (!isWrapper) {
       readPlain(element);
       return {};
@@ -62,6 +62,7 @@ class IntegratorReader {
     }
     if (children.empty()) innermost_.maxDepth = 0;  // No light is followed: the picture stays black.
     if (children.empty()) innermost_.origin.location = element.location;
+    if (type->type == "stokes") return readIntensity(element, children);
     return type->type == "aov" ? readAovs(wrapper, children) : readMoments(element, children);
   }
 
@@ -69,6 +70,11 @@ class IntegratorReader {
   void readPlain(const Element& element) {
     const TypeTable<Integrator>* type = readTyped(element, integratorTypes(), innermost_, reporter_);
     if (type && type->type == "direct") innermost_.maxDepth = 2;
+    if (type && !type->substitute.empty()) {
+      reporter_.warning(element.typeLocation,
+                        fmt::format("instead of the integrator '{}' '{}' is used, whose picture has the same mean",
+                                    element.type, type->substitute));
+    }
     if (type && type->type == "depth") innermost_.type = "depth";
     ids_.children(element, {}, reporter_);
   }
@@ -102,6 +108,12 @@ class IntegratorReader {
       requests.push_back({part.text.substr(0, colon), part.text.substr(colon + 1), place});
     }
     return requests;
+  }
+
+  /// Of Stokes' four numbers the first is the picture; light without polarisation has none of the others.
+  std::vector<AovRequest> readIntensity(const Element& element, const std::vector<Child>& children) {
+    reporter_.warning(element.typeLocation, "polarisation is not followed: the picture is the intensity alone");
+    return children.empty() ? std::vector<AovRequest>{} : read(*children[0].object);
   }
 
   std::vector<AovRequest> readMoments(const Element& element, const std::vector<Child>& children) {

@@ -295,6 +295,12 @@ class SceneBuilder {
   }
 
   void readAreaLight(const Child& child, Shape& shape) {
+    if (child.object->type == "directionalarea") {
+      reporter_.warning(child.use->location, "a 'directionalarea' emitter lights nothing here",
+                        {"its light is parallel: no path from the camera meets it, and none finds it from a surface"});
+      ids_.children(*child.object, {"texture", "medium"}, reporter_);
+      return;
+    }
     if (child.object->type != "area" && findType(emitterTypes(), child.object->type)) {
       reporter_.error(child.use->location,
                       fmt::format("an emitter of type '{}' does not belong in a shape", child.object->type),

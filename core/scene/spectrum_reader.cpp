@@ -11,14 +11,14 @@ namespace aerosol::scene {
 
 namespace {
 
-constexpr const char* kinds[] = {"uniform", "d65", "blackbody", "regular", "irregular"};
+constexpr const char* kinds[] = {"uniform", "srgb", "d65", "blackbody", "regular", "irregular"};
 
 /// The parameters inside of one `<spectrum type="…">`, as texts.
 class Parameters {
  public:
   Parameters(const XmlElement& xml, ReadContext context) : context_(context), place_(context.source.at(xml.offset)) {
     for (const XmlElement& child : xml.children) {
-      if (child.tag != "float" && child.tag != "string") {
+      if (child.tag != "float" && child.tag != "string" && child.tag != "rgb") {
         fail(context.source.at(child.offset), fmt::format("<{}> does not belong in <spectrum>", child.tag));
         continue;
       }
@@ -44,6 +44,14 @@ class Parameters {
     return read && !read->empty() ? *read : std::vector<double>{0};
   }
   double number(const std::string& name, std::optional<double> standard = {}) { return numbers(name, standard)[0]; }
+  Color color(const std::string& name, std::optional<Color> standard = {}) {
+    if (standard && !texts_.contains(name)) return *standard;
+    const SourceLocation place = texts_.contains(name) ? texts_[name].second : place_;
+    const std::vector<double> channels = numbers(name);
+    if (channels.size() != 1 && channels.size() != 3) fail(place, "a colour has one number or three");
+    const auto channel = [&](std::size_t i) { return static_cast<float>(channels[channels.size() == 3 ? i : 0]); };
+    return {channel(0), channel(1), channel(2)};
+  }
   void fail(const SourceLocation& place, std::string message) {
     context_.reporter.error(place, std::move(message));
     valid_ = false;
@@ -76,7 +84,9 @@ std::optional<Value> readKind(const XmlElement& xml, const Attributes& attribute
   if (type == "uniform") {
     color = Color(static_cast<float>(parameters.number("value", 1)));
   } else if (type == "d65") {
-    color = Color(static_cast<float>(parameters.number("scale", 1)));
+    color = parameters.color("color", Color(1)) * static_cast<float>(parameters.number("scale", 1));
+  } else if (type == "srgb") {
+    color = parameters.color("color");
   } else if (type == "blackbody") {
     const double temperature = parameters.number("temperature"), scale = parameters.number("scale", 1);
     if (!(temperature > 0)) parameters.fail(attributes.at("type"), "'temperature' has to be > 0 K");

@@ -191,7 +191,7 @@ const std::vector<TypeTable<Film>>& filmTypes() {
   static const std::vector<TypeTable<Film>> tables = {
       {.type = "hdrfilm",
        .doc = "the picture",
-       .fields = filmFields("openexr", {"openexr"},
+       .fields = filmFields("openexr", {"openexr", "exr", "rgbe", "pfm"},
                             "the file's name on the command line decides; OpenEXR is what this film is made for"),
        .nested = "rfilter"},
       {.type = "ldrfilm",

@@ -78,9 +78,8 @@ std::vector<Field<Emitter>> projectorFields() {
 
 std::vector<Field<Emitter>> sunSkyFields() {
   return {
-      field<&Emitter::turbidity>({.name = "turbidity",
-                                  .doc = "of the air: 2 is very clear, 10 hazy; the model has no less than 1.7",
-                                  .range = between(1.7, 10)}),
+      field<&Emitter::turbidity>(
+          {.name = "turbidity", .doc = "of the air: 2 is very clear, 10 hazy", .range = between(1, 10)}),
       sunDirectionField(),
       sunField<&SunPlace::latitude>(
           {.name = "latitude", .unit = "degrees", .doc = "north of the equator", .range = between(-90, 90)}),
@@ -102,13 +101,12 @@ std::vector<Field<Emitter>> sunSkyFields() {
            .doc = "across the disc of the sun; a wider one is dimmer, so that it lights the same",
            .range = {.minimum = 0, .maximum = 180, .openMinimum = true}}),
       standing(field<&Emitter::toWorld>({.name = "to_world",
-                                         .doc = "turns the sky, whose zenith is +z and whose north is +x (east is +y)",
+                                         .doc = "turns the sky, whose zenith is +z and whose north is -x (east is -y)",
                                          .defaultText = "identity"})),
-      {{.name = "albedo",
-        .type = ValueType::color,
-        .doc = "of the ground: the model does not know it",
-        .withoutEffect = true},
-       [](Emitter&, const Value&) { return std::string(); }}};
+      field<&Emitter::complexSun>(
+          {.name = "complex_sun", .doc = "the disc of the sun is darker towards its edge, as it is"}),
+      field<&Emitter::groundAlbedo>(
+          {.name = "albedo", .doc = "of the ground, which brightens the sky", .range = between(0, 1)})};
 }
 
 }  // namespace aerosol::scene

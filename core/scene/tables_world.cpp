@@ -300,111 +300,123 @@ std::vector<Field<Integrator>> aovFields() {
 
 }  // namespace
 
+namespace {
+
+std::vector<Field<Integrator>> pathFields() {
+  return {
+      field<&Integrator::maxDepth>({.name = "max_depth",
+                                    .doc = "longest path: 1 shows emitters, 2 adds direct light; -1 is unbounded",
+                                    .range = Range::atLeast(-1)}),
+      field<&Integrator::rrDepth>(
+          {.name = "rr_depth", .doc = "path length from which Russian roulette is played", .range = Range::atLeast(1)}),
+      field<&Integrator::roulette>(
+          {.name = "roulette",
+           .doc = "by what Russian roulette decides: the light that comes through the path (throughput), or what "
+                  "the path may still bring to its pixel, from its first vertex on, as a small render before "
+                  "the render tells (contribution); auto takes the latter for pictures of 1024 pixels or more "
+                  "in which media scatter"}),
+      field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
+      field<&Integrator::clampIndirect>(
+          {.name = "clamp_indirect",
+           .unit = "radiance",
+           .doc = "what a path brings at once after its second scattering is dimmed to this: fewer bright dots, "
+                  "and a picture that is too dark, which is reported; 0: nothing is dimmed",
+           .range = Range::atLeast(0)}),
+      field<&Integrator::lowerPriorityWins>(
+          {.name = "lower_priority_wins",
+           .doc = "where media inside of surfaces overlap, the lower priority rules, not the higher"}),
+      field<&Integrator::distance>(
+          {.name = "distance",
+           .doc = "distance sampling of media that do not choose; delta is the plainest method, to compare "
+                  "with: analogue delta tracking under one bound for the whole medium"}),
+      field<&Integrator::overlap>(
+          {.name = "overlap",
+           .doc = "how volume primitives along a ray are found: all of them, then sorted and split; or by "
+                  "walking a partition of space as far as the path comes; auto decides by how many overlap"}),
+      field<&Integrator::transmittance>(
+          {.name = "transmittance", .doc = "transmittance to lights through media that do not choose"}),
+      field<&Integrator::equiangular>(
+          {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
+      field<&Integrator::splitLights>(
+          {.name = "split_lights",
+           .doc = "of many lights up to eight are sampled at a point, or along a ray through media: clusters "
+                  "are split while one's spread is "
+                  "more than this part of all the light that arrives; 0 samples one light, 0.05 splits readily",
+           .range = Range::atLeast(0)}),
+      field<&Integrator::jointLights>(
+          {.name = "joint_lights",
+           .doc = "instead of equiangular distances, lights are tabulated along rays together with the media, "
+                  "and distances chosen in proportion to both; where all media that scatter are marched or "
+                  "constant"}),
+      field<&Integrator::volumeLights>(
+          {.name = "volume_lights",
+           .doc = "media that glow are sampled as lights, where bounds on their emission are proven; otherwise "
+                  "paths meet them by chance"}),
+      field<&Integrator::lampDirections>(
+          {.name = "lamp_directions",
+           .doc = "directions out of media are also chosen towards lamps that stand in media; only with "
+                  "equiangular"}),
+      field<&Integrator::stepScale>(
+          {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
+      field<&Integrator::lodPixels>(
+          {.name = "lod_pixels",
+           .unit = "pixels",
+           .doc = "volumes whose voxels the camera sees smaller than this are read from a coarser level of "
+                  "their files; 0: as they are",
+           .range = Range::atLeast(0)}),
+      field<&Integrator::lodDepth>({.name = "lod_depth",
+                                    .doc = "paths longer than this see volumes with coarser voxels; 0: none does",
+                                    .range = Range::atLeast(0)}),
+      field<&Integrator::lodLevels>({.name = "lod_levels",
+                                     .doc = "how often their resolution is halved then",
+                                     .range = {.minimum = 1, .maximum = 8}}),
+      field<&Integrator::boundBoxes>({.name = "bound_boxes",
+                                      .doc = "boxes over which bounds of the media's shaders are evaluated before "
+                                             "the render, all media together",
+                                      .range = Range::atLeast(0)}),
+      field<&Integrator::boundMegabytes>({.name = "bound_megabytes",
+                                          .unit = "MB",
+                                          .doc = "memory for these bounds, all media together",
+                                          .range = Range::atLeast(0)}),
+      fieldWithoutEffect<Integrator>("samples_per_pass", ValueType::integer),
+      fieldWithoutEffect<Integrator>("block_size", ValueType::integer),
+      fieldWithoutEffect<Integrator>("timeout", ValueType::number),
+      fieldWithoutEffect<Integrator>("strict_normals", ValueType::boolean),
+      fieldWithoutEffect<Integrator>("use_spectral_mis", ValueType::boolean)};
+}
+
+}  // namespace
+
 const std::vector<TypeTable<Integrator>>& integratorTypes() {
-  static const std::vector<TypeTable<Integrator>> tables =
-      {{.type = "path",
-        .doc = "path tracing of surfaces and media, with light sampling",
-        .aliases = {"volpath", "volpathmis"},
-        .fields =
-            {field<&Integrator::maxDepth>(
-                 {.name = "max_depth",
-                  .doc = "longest path: 1 shows emitters, 2 adds direct light; -1 is unbounded",
-                  .range = Range::atLeast(-1)}),
-             field<&Integrator::rrDepth>({.name = "rr_depth",
-                                          .doc = "path length from which Russian roulette is played",
-                                          .range = Range::atLeast(1)}),
-             field<&Integrator::roulette>(
-                 {.name = "roulette",
-                  .doc =
-                      "by what Russian roulette decides: the light that comes through the path (throughput), or what "
-                      "the path may still bring to its pixel, from its first vertex on, as a small render before "
-                      "the render tells (contribution); auto takes the latter for pictures of 1024 pixels or more "
-                      "in which media scatter"}),
-             field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
-             field<&Integrator::clampIndirect>(
-                 {.name = "clamp_indirect",
-                  .unit = "radiance",
-                  .doc = "what a path brings at once after its second scattering is dimmed to this: fewer bright dots, "
-                         "and a picture that is too dark, which is reported; 0: nothing is dimmed",
-                  .range = Range::atLeast(0)}),
-             field<&Integrator::lowerPriorityWins>(
-                 {.name = "lower_priority_wins",
-                  .doc = "where media inside of surfaces overlap, the lower priority rules, not the higher"}),
-             field<&Integrator::distance>(
-                 {.name = "distance",
-                  .doc = "distance sampling of media that do not choose; delta is the plainest method, to compare "
-                         "with: analogue delta tracking under one bound for the whole medium"}),
-             field<&Integrator::overlap>(
-                 {.name = "overlap",
-                  .doc = "how volume primitives along a ray are found: all of them, then sorted and split; or by "
-                         "walking a partition of space as far as the path comes; auto decides by how many overlap"}),
-             field<&Integrator::transmittance>(
-                 {.name = "transmittance", .doc = "transmittance to lights through media that do not choose"}),
-             field<&Integrator::equiangular>(
-                 {.name = "equiangular", .doc = "distances in media are also chosen for the lights beside each ray"}),
-             field<&Integrator::splitLights>(
-                 {.name = "split_lights",
-                  .doc = "of many lights up to eight are sampled at a point, or along a ray through media: clusters "
-                         "are split while one's spread is "
-                         "more than this part of all the light that arrives; 0 samples one light, 0.05 splits readily",
-                  .range = Range::atLeast(0)}),
-             field<&Integrator::jointLights>(
-                 {.name = "joint_lights",
-                  .doc = "instead of equiangular distances, lights are tabulated along rays together with the media, "
-                         "and distances chosen in proportion to both; where all media that scatter are marched or "
-                         "constant"}),
-             field<&Integrator::volumeLights>(
-                 {.name = "volume_lights",
-                  .doc = "media that glow are sampled as lights, where bounds on their emission are proven; otherwise "
-                         "paths meet them by chance"}),
-             field<&Integrator::lampDirections>(
-                 {.name = "lamp_directions",
-                  .doc = "directions out of media are also chosen towards lamps that stand in media; only with "
-                         "equiangular"}),
-             field<&Integrator::stepScale>(
-                 {.name = "step_scale", .doc = "factor on every ray marching step", .range = Range::positive()}),
-             field<&Integrator::lodPixels>(
-                 {.name = "lod_pixels",
-                  .unit = "pixels",
-                  .doc = "volumes whose voxels the camera sees smaller than this are read from a coarser level of "
-                         "their files; 0: as they are",
-                  .range = Range::atLeast(0)}),
-             field<&Integrator::lodDepth>(
-                 {.name = "lod_depth",
-                  .doc = "paths longer than this see volumes with coarser voxels; 0: none does",
-                  .range = Range::atLeast(0)}),
-             field<&Integrator::lodLevels>({.name = "lod_levels",
-                                            .doc = "how often their resolution is halved then",
-                                            .range = {.minimum = 1, .maximum = 8}}),
-             field<&Integrator::boundBoxes>(
-                 {.name = "bound_boxes",
-                  .doc = "boxes over which bounds of the media's shaders are evaluated before "
-                         "the render, all media together",
-                  .range = Range::atLeast(0)}),
-             field<&Integrator::boundMegabytes>({.name = "bound_megabytes",
-                                                 .unit = "MB",
-                                                 .doc = "memory for these bounds, all media together",
-                                                 .range = Range::atLeast(0)}),
-             fieldWithoutEffect<Integrator>("samples_per_pass", ValueType::integer),
-             fieldWithoutEffect<Integrator>("block_size", ValueType::integer),
-             fieldWithoutEffect<Integrator>("timeout", ValueType::number),
-             fieldWithoutEffect<Integrator>("strict_normals", ValueType::boolean),
-             fieldWithoutEffect<Integrator>("use_spectral_mis", ValueType::boolean)}},
-       {.type = "direct",
-        .doc = "what lights reach at once: path tracing with a max_depth of 2",
-        .fields = directFields()},
-       {.type = "depth",
-        .doc = "distance from the camera to the first surface, whatever it is made of; 0 where there is none",
-        .fields = withoutEffect({"samples_per_pass", "block_size"})},
-       {.type = "aov",
-        .doc = "the picture of the integrator inside (black without one), and other quantities beside it in EXR files",
-        .fields = aovFields(),
-        .nested = "an integrator, by whose name its picture is there once more"},
-       {.type = "moment",
-        .doc = "the picture of the integrator inside, and the means of its samples and of their squares, in CIE XYZ, "
-               "beside it in EXR files",
-        .fields = withoutEffect({"samples_per_pass", "block_size"}),
-        .nested = "an integrator"}};
+  static const std::vector<TypeTable<Integrator>> tables = {
+      {.type = "path",
+       .doc = "path tracing of surfaces and media, with light sampling",
+       .aliases = {"volpath", "volpathmis"},
+       .fields = pathFields()},
+      {.type = "ptracer",
+       .doc = "paths from the lights: imitated by paths from the camera",
+       .aliases = {"prb", "prb_basic", "prb_projective", "prbvolpath"},
+       .fields = pathFields(),
+       .substitute = "path"},
+      {.type = "direct",
+       .doc = "what lights reach at once: path tracing with a max_depth of 2",
+       .fields = directFields()},
+      {.type = "depth",
+       .doc = "distance from the near clip plane, along rays, to the first surface, whatever it is made of; 0: none",
+       .fields = withoutEffect({"samples_per_pass", "block_size"})},
+      {.type = "aov",
+       .doc = "the picture of the integrator inside (black without one), and other quantities beside it in EXR files",
+       .fields = aovFields(),
+       .nested = "an integrator, by whose name its picture is there once more"},
+      {.type = "moment",
+       .doc = "the picture of the integrator inside, and the means of its samples and of their squares, in CIE XYZ, "
+              "beside it in EXR files",
+       .fields = withoutEffect({"samples_per_pass", "block_size"}),
+       .nested = "an integrator"},
+      {.type = "stokes",
+       .doc = "the picture of the integrator inside; polarisation is not followed",
+       .fields = withoutEffect({"samples_per_pass", "block_size"}),
+       .nested = "an integrator"}};
   return tables;
 }
 
@@ -464,7 +476,7 @@ const std::vector<TypeTable<Emitter>>& emitterTypes() {
          .fields = projectorFields(),
          .nested = "texture named irradiance"},
         {.type = "sunsky",
-         .doc = "the sun and a clear sky, by the model of Preetham, Shirley and Smits (1999)",
+         .doc = "the sun and a clear sky, by the model of Hosek and Wilkie (2012, 2013)",
          .fields = sunSkyFields()},
         {.type = "background",
          .doc = "light from all around, as a surface shader says: its background() by the direction I",

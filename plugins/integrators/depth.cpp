@@ -1,4 +1,5 @@
-// The distance to the first surface, as a picture: to look at geometry before there is light.
+// The distance from the near clip plane to the first surface, as a picture (as Mitsuba measures it): to look at
+// geometry before there is light.
 
 #include "core/render/prepared_scene.h"
 #include "core/render/registry.h"
@@ -12,7 +13,7 @@ using volume::Task;
 Task<Radiance> measureDepth(PathContext& path, Ray<World> ray) {
   const auto hit =
       path.scene().geometry->closestHit(ray, path.spans, path.statistics().accel, nullptr, shading::ray::camera);
-  co_return hit ? Radiance{Color(static_cast<float>(hit->t)), 1} : Radiance{};
+  co_return hit ? Radiance{Color(static_cast<float>(hit->t) - ray.tMin), 1} : Radiance{};
 }
 
 class DepthIntegrator final : public Integrator {
@@ -26,7 +27,7 @@ class DepthIntegrator final : public Integrator {
 
 void registerIntegrator_depth(Registry& registry) {
   registry.add(NamedIntegrator{.name = "depth",
-                               .doc = "Distance from the camera to the first surface",
+                               .doc = "Distance from the near clip plane to the first surface",
                                .integrator = std::make_shared<const DepthIntegrator>()});
 }
 

@@ -168,8 +168,9 @@ std::unique_ptr<const Light> make(const LightArguments& arguments) {
     if (arguments.problem) *arguments.problem = std::move(problem);
     return nullptr;
   };
-  const auto toWorld = arguments.get<Matrix4>("to_world");
-  if (!isRotation(toWorld)) return fail("'to_world' of an environment may turn and mirror it, nothing else");
+  const Matrix4 toWorld = withoutScale(arguments.get<Matrix4>("to_world"));
+  if (!isRotation(toWorld))
+    return fail("'to_world' of an environment may turn, mirror and evenly scale it, nothing else");
   if (const SkyPicture* picture = arguments.picture) {
     return std::make_unique<EnvironmentMap>(Panorama(picture->width, picture->height, picture->texels), toWorld,
                                             arguments.get<float>("scale"));

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr int columns = 64, rows = 32;
-constexpr double trueAperture = 0.5338 * pi / 180;
+constexpr double trueAperture = ClearSky::aperture * pi / 180;
 
 double solidAngleOf(double aperture) {
   const double sine = std::sin(aperture / 4);
@@ -39,6 +39,8 @@ struct Settings {
   Direction sun;  ///< Towards it, unit, in the sky's own space.
   double turbidity = 3, sunScale = 1, skyScale = 1;
   double aperture = trueAperture;  ///< Radians.
+  bool isDarkerAtLimb = false;
+  Color albedo;  ///< Of the ground.
 };
 
 class SunSky final : public Light {
@@ -46,7 +48,7 @@ class SunSky final : public Light {
   SunSky(const Settings& settings, const Matrix4& toWorld)
       : settings_(settings),
         toWorld_(toWorld),
-        sky_(std::acos(std::clamp(settings.sun.z, 0.0, 1.0)), settings.turbidity),
+        sky_(std::acos(std::clamp(settings.sun.z, 0.0, 1.0)), settings.turbidity, settings.albedo),
         solidAngle_(solidAngleOf(settings.aperture)),
         cosine_(std::cos(settings.aperture / 2)),
         sunRadiance_(sky_.sun() * static_cast<float>(settings.sunScale * solidAngleOf(trueAperture) / solidAngle_)),
@@ -85,7 +87,7 @@ class SunSky final : public Light {
 
   Color escaped(Vector<World> direction) const override {
     const Direction d = toLocal(direction);
-    Color sum = isInDisc(d) ? sunRadiance_ : Color();
+    Color sum = isInDisc(d) ? sunAt(d) : Color();
     if (d.z > 0) sum += skyAt(d);
     return sum;
   }
@@ -117,6 +119,12 @@ class SunSky final : public Light {
     if (!(settings_.skyScale > 0)) return Color();
     const double angle = std::acos(std::clamp(dot(d, settings_.sun), -1.0, 1.0));
     return sky_.sky(d.z, angle) * static_cast<float>(settings_.skyScale);
+  }
+
+  Color sunAt(const Direction& d) const {
+    if (!settings_.isDarkerAtLimb) return sunRadiance_;
+    const double cosine = std::min(dot(d, settings_.sun), 1.0), edge = std::sin(settings_.aperture / 2);
+    return sunRadiance_ * ClearSky::limbDarkening(std::min(std::sqrt(1 - cosine * cosine) / edge, 1.0));
   }
 
   Direction inDisc(std::array<float, 2> u) const {
@@ -165,8 +173,8 @@ std::unique_ptr<const Light> make(const LightArguments& arguments) {
     if (arguments.problem) *arguments.problem = std::move(problem);
     return nullptr;
   };
-  const auto toWorld = arguments.get<Matrix4>("to_world");
-  if (!isRotation(toWorld)) return fail("'to_world' of a sky may turn and mirror it, nothing else");
+  const Matrix4 toWorld = withoutScale(arguments.get<Matrix4>("to_world"));
+  if (!isRotation(toWorld)) return fail("'to_world' of a sky may turn, mirror and evenly scale it, nothing else");
   const auto towards = arguments.get<Vector<scene::Unplaced>>("sun_direction");
   const double x = static_cast<double>(towards.x), y = static_cast<double>(towards.y),
                z = static_cast<double>(towards.z);
@@ -180,7 +188,9 @@ std::unique_ptr<const Light> make(const LightArguments& arguments) {
                     number("turbidity"),
                     number("sun_scale"),
                     number("sky_scale"),
-                    number("sun_aperture") * pi / 180};
+                    number("sun_aperture") * pi / 180,
+                    arguments.get<bool>("complex_sun"),
+                    arguments.get<Color>("albedo")};
   if (settings.sun.z < 0) return fail("the sun is below the horizon, which is the plane z = 0 before 'to_world'");
   return std::make_unique<SunSky>(settings, toWorld);
 }
@@ -199,7 +209,7 @@ void registerLight_sunsky(Registry& registry) {
                                          .type = ValueType::number,
                                          .doc = "Of the air",
                                          .defaultValue = 3.0f,
-                                         .range = {.minimum = 1.7, .maximum = 10}},
+                                         .range = {.minimum = 1, .maximum = 10}},
                                         {.name = "sun_direction",
                                          .type = ValueType::vector,
                                          .doc = "Towards the sun in the world",
@@ -210,11 +220,20 @@ void registerLight_sunsky(Registry& registry) {
                                          .type = ValueType::number,
                                          .unit = "degrees",
                                          .doc = "Across the disc of the sun",
-                                         .defaultValue = 0.5338f,
+                                         .defaultValue = static_cast<float>(ClearSky::aperture),
                                          .range = {.minimum = 0, .maximum = 180, .openMinimum = true}},
+                                        {.name = "complex_sun",
+                                         .type = ValueType::boolean,
+                                         .doc = "Whether the disc of the sun is darker towards its edge",
+                                         .defaultValue = false},
+                                        {.name = "albedo",
+                                         .type = ValueType::color,
+                                         .doc = "Of the ground",
+                                         .defaultValue = Color(0.3f),
+                                         .range = {.minimum = 0, .maximum = 1}},
                                         {.name = "to_world",
                                          .type = ValueType::transform,
-                                         .doc = "Turns the sky, whose zenith is +z and whose north is +x",
+                                         .doc = "Turns the sky, whose zenith is +z and whose north is -x",
                                          .defaultValue = identityMatrix()}},
                          .make = make});
 }

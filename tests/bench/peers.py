@@ -82,6 +82,8 @@ MATERIALS = {
     "principled_cloth": bsdf("principled", rgb("base_color", "0.2,0.3,0.8"), number("sheen", 0.9), number("sheen_tint", 0.6), number("flatness", 0.5), number("spec_tint", 0.5), number("roughness", 0.8)),
     "principled_glass": bsdf("principled", rgb("base_color", "0.8,0.9,0.7"), number("spec_trans", 0.9), number("roughness", 0.3), number("eta", 1.4)),
     "principledthin": bsdf("principledthin", rgb("base_color", "0.7,0.3,0.1"), number("spec_trans", 0.5), number("diff_trans", 0.8), number("roughness", 0.4), number("spec_tint", 0.3), number("sheen", 0.3), number("flatness", 0.3)),
+    "pplastic": bsdf("pplastic", rgb("diffuse_reflectance", "0.6,0.3,0.2"), number("alpha", 0.2), number("int_ior", 1.7)),
+    "conductor_palik": bsdf("roughconductor", text("material", "Ni_palik"), number("alpha", 0.2)),
     "twosided": bsdf("twosided", bsdf("roughconductor", text("material", "Ag"))),
     "mask": bsdf("mask", number("opacity", 0.4), bsdf("twosided", bsdf("diffuse", rgb("reflectance", "0.9,0.1,0.1")))),
     "blendbsdf": bsdf("blendbsdf", number("weight", 0.3), bsdf("diffuse", rgb("reflectance", "0.1,0.8,0.1")), bsdf("roughconductor", number("alpha", 0.2))),
@@ -101,6 +103,10 @@ LIGHTS = {
     "light_projector": '<emitter type="projector"><texture name="irradiance" type="bitmap"><string name="filename" value="{folder}/colors.png"/></texture><float name="scale" value="20"/><float name="fov" value="40"/><transform name="to_world"><lookat origin="-2,5,-3" target="0,0.5,0" up="0,1,0"/></transform></emitter>',
     "light_textured_area": '<shape type="rectangle"><transform name="to_world"><scale value="2"/><rotate x="1" angle="90"/><translate x="1" y="4" z="0"/></transform><emitter type="area"><texture name="radiance" type="bitmap"><string name="filename" value="{folder}/colors.png"/></texture></emitter></shape>',
     "light_point": '<emitter type="point"><point name="position" x="2" y="4" z="-2"/><rgb name="intensity" value="30"/></emitter>',
+    "light_sunsky": '<emitter type="sunsky"><vector name="sun_direction" x="0.5" y="0.8" z="-0.4"/><transform name="to_world"><rotate x="1" angle="-90"/></transform></emitter>',
+    "light_sunsky_low": '<emitter type="sunsky"><float name="turbidity" value="6.3"/><rgb name="albedo" value="0.1,0.6,0.9"/><vector name="sun_direction" x="0.8" y="0.15" z="-0.6"/><float name="sun_aperture" value="4"/><transform name="to_world"><rotate x="1" angle="-90"/></transform></emitter>',
+    "light_sunsky_high": '<emitter type="sunsky"><float name="turbidity" value="1.4"/><float name="albedo" value="0.9"/><float name="latitude" value="0"/><float name="longitude" value="10"/><float name="timezone" value="0"/><float name="hour" value="11"/><boolean name="complex_sun" value="true"/><float name="sun_scale" value="0.5"/><transform name="to_world"><rotate x="1" angle="-90"/></transform></emitter>',
+    "light_sky": '<emitter type="sunsky"><float name="turbidity" value="9.5"/><float name="albedo" value="0"/><vector name="sun_direction" x="-0.3" y="0.5" z="0.6"/><float name="sun_scale" value="0"/><float name="sky_scale" value="2"/><transform name="to_world"><rotate x="1" angle="-90"/></transform></emitter>',
     "light_directional": '<emitter type="directional"><vector name="direction" x="-1" y="-2" z="1"/><rgb name="irradiance" value="2"/></emitter>',
 }
 

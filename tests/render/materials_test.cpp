@@ -162,6 +162,41 @@ TEST(Materials, PlasticAddsUp) {
   }));
 }
 
+/// Without roughness: what enters once and leaves at once.
+TEST(Materials, PolarizingPlasticLosesWhatItReflectsInside) {
+  const TestScene scene = inFurnace(R"(<bsdf type="pplastic"><rgb name="diffuse_reflectance" value="0.8, 0.4, 0.2"/>
+      <float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/><float name="alpha" value="1e-4"/></bsdf>)");
+  const double entering = 2 * integrate([](double c) { return c * (1 - fresnel(c, 1.5)); }, 0, 1, 20);
+  EXPECT_TRUE(shows(scene, *scene.render(1024), [=](const Ray<World>& ray) {
+    const double r = fresnel(static_cast<double>(ray.direction.z), 1.5);
+    return skyColor * (Color(static_cast<float>(r)) + Color(0.8f, 0.4f, 0.2f) * static_cast<float>((1 - r) * entering));
+  }));
+}
+
+/// Those of the tables of Palik's handbook have names of their own; seen straight on.
+TEST(Materials, MetalsHaveTheirNames) {
+  struct Metal {
+    const char* name;
+    std::array<double, 3> eta, k;
+  };
+  const Metal metals[] = {{"Ni_palik", {2.367, 1.663, 1.467}, {4.499, 3.05, 2.345}},
+                          {"Na_palik", {0.06027, 0.05614, 0.06199}, {3.179, 2.112, 1.579}},
+                          {"V_palik", {4.278, 3.513, 2.761}, {3.491, 2.889, 3.112}}};
+  for (const Metal& metal : metals) {
+    SCOPED_TRACE(metal.name);
+    const TestScene scene = loadScene(
+        "", {.fov = 1},
+        std::string(sky) +
+            wall(fmt::format(R"(<bsdf type="conductor"><string name="material" value="{}"/></bsdf>)", metal.name)));
+    EXPECT_TRUE(shows(scene, *scene.render(4), [&](const Ray<World>&) {
+      return skyColor * color([&](int c) {
+               const auto i = static_cast<std::size_t>(c);
+               return conductor(1, metal.eta[i], metal.k[i]);
+             });
+    }));
+  }
+}
+
 /// Light that travels along +z and to the right.
 constexpr const char* sun = R"(<emitter type="directional"><vector name="direction" x="3" y="0" z="4"/>
     <rgb name="irradiance" value="2"/></emitter>)";

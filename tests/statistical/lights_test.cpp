@@ -285,7 +285,7 @@ TEST(Lights, EveryRegisteredOneWithoutASurface) {
 TEST(Lights, TheDiscOfASunIsSampledEvenly) {
   const Registry registry = allPlugins();
   const Vector<World> sun = normalize(Vector<World>(0.3f, -0.4f, 0.6f));
-  for (const float aperture : {0.5338f, 20.0f}) {
+  for (const float aperture : {0.5358f, 20.0f}) {
     SCOPED_TRACE(aperture);
     auto light = makeLight(
         registry, "sunsky",

@@ -27,6 +27,10 @@ bool flipsTexCoords(const scene::Shape& shape) {
   return shape.flipTexCoords.value_or(shape.type == scene::ShapeType::obj);
 }
 
+/// Materials go by the normals of the corners, as in Mitsuba, whose scenes do not always wind their triangles alike;
+/// media by the triangles.
+bool isWoundByNormals(const scene::Shape& shape) { return shape.isFromFile() && !shape.interior && !shape.exterior; }
+
 }  // namespace
 
 void applyFlags(const scene::Shape& shape, accel::TriangleMesh& mesh) {
@@ -35,10 +39,11 @@ void applyFlags(const scene::Shape& shape, accel::TriangleMesh& mesh) {
   }
   mesh.faceNormals = mesh.faceNormals || shape.faceNormals;
   mesh.flipNormals = shape.flipNormals;
+  if (!mesh.faceNormals && isWoundByNormals(shape)) accel::windByNormals(mesh);
 }
 
 MeshFiles::SharedKey MeshFiles::sharedKeyOf(const scene::Shape& shape) {
-  return {keyOf(shape), shape.faceNormals, shape.flipNormals, flipsTexCoords(shape)};
+  return {keyOf(shape), shape.faceNormals, shape.flipNormals, flipsTexCoords(shape), isWoundByNormals(shape)};
 }
 
 MeshFiles::MeshFiles(const scene::SceneDescription& description) {

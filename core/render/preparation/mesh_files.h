@@ -39,8 +39,8 @@ class MeshFiles {
     return {shape.type, shape.file.string(), shape.faces, shape.shapeIndex};
   }
 
-  /// And what is done to its vertices: face normals, flipped normals, flipped texture coordinates.
-  using SharedKey = std::tuple<Key, bool, bool, bool>;
+  /// And what is done to it: face normals, flipped normals, flipped texture coordinates, winding by normals.
+  using SharedKey = std::tuple<Key, bool, bool, bool, bool>;
   struct SharedEntry {
     std::size_t uses = 0;
     std::optional<accel::SharedMeshId> mesh;

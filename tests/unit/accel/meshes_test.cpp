@@ -88,5 +88,21 @@ TEST(Mesh, NormalsAreSmoothedFlippedOrFlat) {
   EXPECT_NEAR(hit->shadingNormal.z, 1 / std::sqrt(3.0f), 1e-6);
 }
 
+TEST(Mesh, TrianglesTurnToTheSideOfTheirNormals) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {1, 2, 3}};  // The second one faces -z.
+  const auto original = mesh.triangles;
+  windByNormals(mesh);
+  EXPECT_EQ(mesh.triangles, original);
+  mesh.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  windByNormals(mesh);
+  EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {1, 3, 2}}));
+  // Corners that do not agree leave a triangle as it is.
+  mesh.normals = {{0, 0, -1}, {0, 0, -1}, {0, 0, 1}, {0, 0, -1}};
+  windByNormals(mesh);
+  EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {1, 3, 2}}));
+}
+
 }  // namespace
 }  // namespace aerosol::accel

@@ -17,7 +17,7 @@ struct Angles {
 Angles anglesAt(const scene::SunPlace& place) {
   const Vector<Object> d = sunDirection(place);
   EXPECT_NEAR(length(d), 1, 1e-6);
-  double azimuth = std::atan2(static_cast<double>(d.y), static_cast<double>(d.x)) / degree;
+  double azimuth = std::atan2(-static_cast<double>(d.y), -static_cast<double>(d.x)) / degree;
   if (azimuth < 0) azimuth += 360;
   return {std::asin(static_cast<double>(d.z)) / degree, azimuth};
 }

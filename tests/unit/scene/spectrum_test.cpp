@@ -86,6 +86,11 @@ TEST(Spectrum, InScenes) {
              Color(0.7f), 0);
   expectNear(radiance(R"(<spectrum name="radiance" type="d65"><float name="scale" value="2"/></spectrum>)"), Color(2),
              0);
+  expectNear(radiance(R"(<spectrum name="radiance" type="d65"><rgb name="color" value="0.1, 0.2, 0.3"/>
+      <float name="scale" value="2"/></spectrum>)"),
+             Color(0.2f, 0.4f, 0.6f), 1e-7f);
+  expectNear(radiance(R"(<spectrum name="radiance" type="srgb"><rgb name="color" value="0.1, 0.2, 0.3"/></spectrum>)"),
+             Color(0.1f, 0.2f, 0.3f), 0);
   const Color list = radiance(R"(<spectrum name="radiance" value="400:0.1, 500:0.3, 600:0.9, 700:0.2"/>)");
   expectNear(radiance(R"(<spectrum name="radiance" type="irregular">
       <string name="wavelengths" value="400, 500, 600, 700"/><string name="values" value="0.1, 0.3, 0.9, 0.2"/></spectrum>)"),
