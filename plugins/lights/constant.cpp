@@ -1,6 +1,6 @@
 // The same radiance from every direction: an overcast sky all around. A density that is compensated for the directions
-// that surfaces and media choose (Karlík, Šik, Vivoda, Skřivan and Křivánek 2019, "MIS Compensation: Optimizing Sampling
-// Techniques in Multiple Importance Sampling") is nowhere above 0 here, so none is chosen for it.
+// that surfaces and media choose (Karlík, Šik, Vivoda, Skřivan and Křivánek 2019, "MIS Compensation: Optimizing
+// Sampling Techniques in Multiple Importance Sampling") is nowhere above 0 here, so none is chosen for it.
 
 #include <numbers>
 

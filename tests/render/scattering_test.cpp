@@ -174,8 +174,8 @@ Color one(const Ray<World>&) { return Color(1.0f); }
 class Furnace : public ::testing::TestWithParam<double> {};
 
 TEST_P(Furnace, SphereOfAWhiteMedium) {
-  const TestScene scene =
-      loadScene(noRoulette, {}, std::string(furnace) + "<volume type=\"sphere\">" + whiteMedium("3", GetParam()) + "</volume>");
+  const TestScene scene = loadScene(
+      noRoulette, {}, std::string(furnace) + "<volume type=\"sphere\">" + whiteMedium("3", GetParam()) + "</volume>");
   EXPECT_TRUE(shows(scene, *scene.render(512), one));
 }
 
@@ -208,7 +208,6 @@ TEST(ScriptedFurnace, BothSamplersKeepAllLight) {
     EXPECT_TRUE(shows(scene, *scene.render(512), one)) << sampling;
   }
 }
-
 
 TEST(DenseFurnace, LosesNothing) {
   const TestScene scene =

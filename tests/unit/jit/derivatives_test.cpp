@@ -112,7 +112,7 @@ const std::vector<Case>& cases() {
        AEROSOL_OF(-0.8 - (-0.8 + std::sqrt(1 - 0.64 * (1 - 1)))), -0.5, 0.5},
       {"faceforward(vector(a, b, c), vector(0, 0, 1), vector(d, e, 1))[0]", AEROSOL_OF(-a)},
       {"rotate(point(a, b, c), d, vector(0, 0, 2))[0]", AEROSOL_OF(a * std::cos(d) - b * std::sin(d))},
-      {"luminance(color(a, b, c))", AEROSOL_OF(0.2126 * a + 0.7152 * b + 0.0722 * c)},
+      {"luminance(color(a, b, c))", AEROSOL_OF(0.212507233 * a + 0.715349972 * b + 0.0721427202 * c)},
       {"transformc(\"hsv\", color(a + 4, b + 2, c))[2]", AEROSOL_OF(a + 4), -0.5, 0.5},
       {"transformc(\"hsl\", \"rgb\", color(0.1, a, b))[0]", AEROSOL_OF(b + a * std::min(b, 1 - b)), 0.1, 0.9},
       {"sin(color(a, b, c))[1]", AEROSOL_OF(std::sin(b))},
