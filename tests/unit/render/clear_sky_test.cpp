@@ -71,7 +71,7 @@ TEST(ClearSky, TheSunFadesAndReddensTowardsTheHorizon) {
   const double lux = luminance(high) * solidAngle * candelas;
   EXPECT_GT(lux, 90000);
   EXPECT_LT(lux, 125000);
-  EXPECT_LT(luminance(low), 0.3 * luminance(high));
+  EXPECT_LT(luminance(low), 0.4 * luminance(high));
   EXPECT_GT(low.r / low.g, high.r / high.g);
   EXPECT_LT(low.b / low.g, high.b / high.g);
   EXPECT_LT(luminance(ClearSky(0, 8, grey).sun()), luminance(high));
