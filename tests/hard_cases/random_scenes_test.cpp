@@ -112,7 +112,8 @@ TEST(RandomScenes, UnderASkyOfOneNothingIsBrighter) {
     // A camera inside of an index n sees n² times as much.
     const double n = random.largestIndexAtCamera();
     const Brightness whole(*film);
-    RC_ASSERT(whole.mean <= n * n * (1 + 1e-5) + 5 * std::sqrt(whole.variance));
+    // Where nothing but roulette makes noise, which it does seldom, the variance is hardly known.
+    RC_ASSERT(whole.mean <= n * n * (1 + 1e-4) + 5 * std::sqrt(whole.variance));
   });
   EXPECT_TRUE(ok);
 }

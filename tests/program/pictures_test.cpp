@@ -87,8 +87,13 @@ TEST_F(Pictures, AreMattesWithTheirNames) {
 }
 
 TEST_F(Pictures, LoseTheirNoise) {
-  run({"render", "ball.xml", "-o", "noisy.exr", "-q", "--aov", "denoise"});
-  run({"render", "ball.xml", "-o", "clean.exr", "-q", "--spp", "1024"});
+  // Which of two lamps is sampled makes noise.
+  std::string scene = ballScene;
+  scene.insert(scene.find("<shape"), R"(<emitter type="point"><point name="position" x="-3" y="-1" z="-4"/>
+    <rgb name="intensity" value="15"/></emitter>)");
+  folder_.write("lamps.xml", scene);
+  run({"render", "lamps.xml", "-o", "noisy.exr", "-q", "--aov", "denoise"});
+  run({"render", "lamps.xml", "-o", "clean.exr", "-q", "--spp", "1024"});
   const Outcome outcome = run({"denoise", "noisy.exr", "-o", "denoised.exr", "-o", "denoised.png"});
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, testing::MatchesRegex("wrote denoised.exr[^\n]*\nwrote denoised.png[^\n]*\n"));
