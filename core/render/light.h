@@ -9,6 +9,7 @@
 #include "core/base/color.h"
 #include "core/base/geometry.h"
 #include "core/base/mesh_place.h"
+#include "core/render/light_cone.h"
 #include "core/render/light_tree.h"
 
 namespace aerosol::render {
@@ -49,7 +50,11 @@ struct LightPlace {
   float intensity = 0;          ///< About its mean radiant intensity, averaged over channels.
   float radius = 0;             ///< Of a point light: nearer than this it gets no brighter along a ray; 0: chosen.
   bool hasSingularity = false;  ///< Its irradiance grows without limit near `centre`.
+  LightCone cone;               ///< Outside of it there is no light.
 };
+
+/// Of a light at one point, for the hierarchy: an edge of the cone is as bright as its axis.
+LightBounds boundsOfPoint(const LightPlace& place);
 
 /// A light. Const after preparation; directions are unit vectors in world space.
 class Light {

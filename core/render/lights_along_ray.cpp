@@ -41,6 +41,11 @@ LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, co
   }
   LightFromRay result;
   result.projection = along / unit;
+  if (!light.cone.isWhole()) {
+    const std::array<double, 3> direction{static_cast<double>(ray.direction.x), static_cast<double>(ray.direction.y),
+                                          static_cast<double>(ray.direction.z)};
+    result.inCone = insideCone(light.cone, toLight, direction);
+  }
   double squared = 0;
   for (int i = 0; i < 3; ++i) {
     const double side =
@@ -60,33 +65,39 @@ LightFromRay LightFromRay::of(const LightPlace& light, const Ray<World>& ray, co
   return result;
 }
 
-/// In [0, 1]: how the falloff varies over the stretches, as far as that makes samples of it worth while.
-double LightsAlongRay::chanceOf(const LightFromRay& seen) const {
+/// In [0, 1]: how the light varies over the stretches, of which `lit` are in its cone, as far as that makes samples of
+/// it worth while.
+double LightsAlongRay::chanceOf(const LightFromRay& seen, const volume::RayStretches& lit) const {
+  if (lit.isEmpty()) return 0;
   double near = std::numeric_limits<double>::infinity(), far = 0;
-  for (const volume::RayStretch& s : stretches_.all()) {
+  for (const volume::RayStretch& s : lit.all()) {
     const double a = s.a - seen.projection, b = s.b - seen.projection;
     near = std::min(near, a * b <= 0 ? 0 : std::min(std::fabs(a), std::fabs(b)));
     far = std::max({far, std::fabs(a), std::fabs(b)});
   }
   const double d2 = seen.keptDistance * seen.keptDistance;
-  const double variation = (d2 + far * far) / (d2 + near * near);
+  double variation = (d2 + far * far) / (d2 + near * near);
+  if (&lit != &stretches_) variation *= stretches_.length() / lit.length();
   if (std::isnan(variation)) return 0;
   return std::clamp((variation - uselessVariation) / (fullVariation - uselessVariation), 0.0, 1.0);
 }
 
 LightsAlongRay::Candidate LightsAlongRay::candidate(const LightPlace& light) const {
   const LightFromRay seen = LightFromRay::of(light, ray_, stretches_);
+  std::optional<volume::RayStretches> part;
+  if (!light.cone.isWhole()) part = stretches_.within(seen.inCone.begin, seen.inCone.end);
+  const volume::RayStretches& lit = part ? *part : stretches_;
   Candidate result;
   result.isMet = seen.isMet;
-  result.chance = chanceOf(seen);
+  result.chance = chanceOf(seen, lit);
   // Of one light alone no share is asked for.
   const bool isWeighed = lights_->tree().isEmpty() && lights_->placed().size() > 1;
-  if (result.chance == 0 && !isWeighed) return result;
-  result.isAttenuated = stretches_.isKnown() && lights_->tree().isEmpty();
+  if (lit.isEmpty() || (result.chance == 0 && !isWeighed)) return result;
+  result.isAttenuated = lit.isKnown() && lights_->tree().isEmpty();
   if (result.isAttenuated) {
-    result.attenuated = {stretches_, seen.projection, seen.keptDistance};
+    result.attenuated = {lit, seen.projection, seen.keptDistance};
   } else {
-    result.even = {stretches_, seen.projection, seen.keptDistance};
+    result.even = {lit, seen.projection, seen.keptDistance};
   }
   result.share = static_cast<double>(light.intensity) * result.integral();
   if (!std::isfinite(result.share)) result.chance = 0;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/base/geometry.h"
@@ -21,6 +22,8 @@ struct LightFromRay {
   double distance = 0;      ///< How far away it is there, exactly.
   double keptDistance = 0;  ///< The same, but not less than its extent or radius: D of equiangular sampling.
   bool isMet = false;       ///< The ray meets a point light to rounding, so its radiance would be infinite.
+  /// The part of the ray in its cone.
+  ConeStretch inCone{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
 
   /// `length` of the way through media, on which a chosen radius depends.
   static LightFromRay of(const LightPlace& light, const Ray<World>& ray, const volume::RayStretches& stretches);
@@ -91,7 +94,7 @@ class LightsAlongRay {
     double pdf(double t) const { return isAttenuated ? attenuated.pdf(t) : even.pdf(t); }
     double integral() const { return isAttenuated ? attenuated.integral() : even.integral(); }
   };
-  double chanceOf(const LightFromRay& seen) const;
+  double chanceOf(const LightFromRay& seen, const volume::RayStretches& lit) const;
   Candidate candidate(const LightPlace& light) const;
   void tabulate();
   volume::LightColumn column(std::size_t index) const;

@@ -94,17 +94,48 @@ class RayStretches {
   }
   /// Something else weakens or scatters light there.
   void forgetExtinction() { isKnown_ = false; }
+  /// What of them lies in [begin, end].
+  RayStretches within(double begin, double end) const {
+    RayStretches part = *this;
+    part.count_ = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const RayStretch inside{std::max(stretches_[i].a, begin), std::min(stretches_[i].b, end)};
+      const bool isMet = inside.a < inside.b;
+      // Up to the first stretch that is kept, what is left out weakens the light all the same.
+      const double left = isMet ? inside.a : stretches_[i].b;
+      if (isKnown_ && part.count_ == 0) part.addDepth(extinctions_[i], left - stretches_[i].a);
+      if (!isMet) continue;
+      part.extinctions_[part.count_] = extinctions_[i];
+      part.stretches_[part.count_++] = inside;
+    }
+    return part;
+  }
   /// Whether the extinction of all stretches is known, and nothing but these is on the way.
   bool isKnown() const { return isKnown_; }
   const RayExtinction& extinction(std::size_t stretch) const { return extinctions_[stretch]; }
+  /// Optical depths in front of the first one, where extinction is known and `within` has left something out.
+  const std::array<double, 3>& depthBefore() const { return depthBefore_; }
   bool isEmpty() const { return count_ == 0; }
   std::span<const RayStretch> all() const { return {stretches_.data(), count_}; }
   double begin() const { return stretches_[0].a; }
   double end() const { return stretches_[count_ - 1].b; }
+  /// Of all together.
+  double length() const {
+    double sum = 0;
+    for (const RayStretch& s : all()) sum += s.b - s.a;
+    return sum;
+  }
 
  private:
+  void addDepth(const RayExtinction& extinction, double way) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      depthBefore_[c] += static_cast<double>(extinction.sigmaT[static_cast<int>(c)]) * way;
+    }
+  }
+
   std::array<RayStretch, room> stretches_{};
   std::array<RayExtinction, room> extinctions_{};
+  std::array<double, 3> depthBefore_{};
   std::size_t count_ = 0;
   bool isKnown_ = false;
 };
@@ -158,7 +189,7 @@ class AttenuatedEquiangularSampler {
   /// `stretches.isKnown()`.
   AttenuatedEquiangularSampler(const RayStretches& stretches, double projection, double distance)
       : projection_(projection) {
-    std::array<double, 3> depth{};
+    std::array<double, 3> depth = stretches.depthBefore();
     for (const RayStretch& s : stretches.all()) addPart(s, stretches.extinction(count_), distance, depth);
   }
 

@@ -21,6 +21,7 @@ class Projector final : public Light {
         toObject_(toWorld.inverse()),
         irradiance_(irradiance),
         mean_(irradiance * mean),
+        cone_(coneAlongZ(toWorld.matrix(), std::hypot(tangentX, tangentY))),
         tangentX_(tangentX),
         tangentY_(tangentY) {}
 
@@ -53,6 +54,10 @@ class Projector final : public Light {
     return average(abs(mean_)) * static_cast<float>(intensity(seen)) /
            std::max(squaredLength(position_ - at), std::numeric_limits<float>::min());
   }
+  std::optional<LightPlace> place() const override {
+    return LightPlace{.centre = position_, .intensity = meanIntensity(), .hasSingularity = true, .cone = cone_};
+  }
+  std::optional<LightBounds> partBounds(std::uint32_t) const override { return boundsOfPoint(*place()); }
   bool isDelta() const override { return true; }
   bool isInfinite() const override { return false; }
 
@@ -70,12 +75,14 @@ class Projector final : public Light {
     const double u = 0.5 - 0.5 * x / (z * tangentX_), v = 0.5 - 0.5 * y / (z * tangentY_);
     return {u >= 0 && u <= 1 && v >= 0 && v <= 1, u, v, z / std::sqrt(x * x + y * y + z * z)};
   }
+  float meanIntensity() const { return average(abs(mean_)) * static_cast<float>(pi); }
   /// For an irradiance of 1.
   static double intensity(const Seen& seen) { return pi / (seen.cosine * seen.cosine * seen.cosine); }
 
   Point<World> position_;
   Transform<Object, World> toObject_;
   Color irradiance_, mean_;
+  LightCone cone_;
   double tangentX_, tangentY_;
 };
 

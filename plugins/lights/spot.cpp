@@ -24,6 +24,7 @@ class SpotLight final : public Light {
         beam_(beam) {
     const Transform<World, Object> forward(toWorld, inverseOf(toWorld));
     toObject_ = forward.inverse();
+    cone_ = coneAlongZ(toWorld, std::tan(cutoff));
   }
 
   std::optional<LightSample> sample(Point<World> from, const LightUniforms&) const override {
@@ -59,6 +60,11 @@ class SpotLight final : public Light {
     return average(abs(intensity_)) * static_cast<float>(falloff(localOf(at))) /
            std::max(squaredLength(position_ - at), std::numeric_limits<float>::min());
   }
+  std::optional<LightPlace> place() const override {
+    return LightPlace{
+        .centre = position_, .intensity = average(abs(intensity_)), .hasSingularity = true, .cone = cone_};
+  }
+  std::optional<LightBounds> partBounds(std::uint32_t) const override { return boundsOfPoint(*place()); }
   bool isDelta() const override { return true; }
   bool isInfinite() const override { return false; }
 
@@ -89,6 +95,7 @@ class SpotLight final : public Light {
   Color intensity_;
   double cutoff_, beam_;
   Transform<Object, World> toObject_;
+  LightCone cone_;
 };
 
 std::unique_ptr<const Light> make(const LightArguments& arguments) {
