@@ -7,7 +7,8 @@
 // about c I: neither is time spent on what hardly shows, nor weight lost that does. They guide V by direction, from
 // photons learned before; here V is a mean over places, of the paths of a pilot with random numbers of its own, so that
 // it depends on the scene and its seed alone. A wrong V costs noise, never bias, and not much: survivors never get a
-// throughput above a limit, so what the pilot has missed makes no fireflies. Paths are not split.
+// throughput above a limit, so what the pilot has missed makes no fireflies. Where τ V is far above I, as in a bright
+// room seen through a door, the path goes on in several directions, each with its part of τ.
 #pragma once
 
 #include <algorithm>
@@ -42,6 +43,12 @@ class ContributionMap {
  public:
   /// Survivors bring about this part of the pixel's value.
   static constexpr float wanted = 1.0f / 3;
+  /// Paths that would bring more than this many times the pixel's value are split,
+  static constexpr float splitAbove = 8;
+  /// into so many that each brings about this many times as much,
+  static constexpr float splitTo = 4;
+  /// but not into more than these.
+  static constexpr int mostBranches = 4;
   /// Survivors have no larger throughput on account of that.
   static constexpr float largestThroughput = 4;
 
@@ -60,6 +67,13 @@ class ContributionMap {
   float survival(Point<World> place, Color throughput, int x, int y) const {
     const float brings = average(abs(throughput)) * expected(place), needed = wanted * pixel(x, y);
     return std::min(std::max(brings / needed, maximum(abs(throughput)) / largestThroughput), 1.0f);
+  }
+
+  /// Into how many branches a path is split at `place`, at least 1.
+  int branches(Point<World> place, Color throughput, int x, int y) const {
+    const float brings = average(abs(throughput)) * expected(place) / pixel(x, y);
+    if (!(brings > splitAbove)) return 1;
+    return static_cast<int>(std::min(brings / splitTo, static_cast<float>(mostBranches)));
   }
 
  private:

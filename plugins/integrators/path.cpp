@@ -12,6 +12,7 @@
 #include "core/render/media_probe.h"
 #include "core/render/medium_walk.h"
 #include "core/render/nesting.h"
+#include "core/render/path_state.h"
 #include "core/render/prepared_scene.h"
 #include "core/render/registry.h"
 #include "core/render/subsurface_walk.h"
@@ -39,25 +40,6 @@ void beginRay(PathContext& path, int length) {
 void beginVertex(PathContext& path, int length) {
   path.random().skipTo(cameraSlots + (raySlots + vertexSlots) * static_cast<std::uint32_t>(length - 1) + raySlots);
 }
-
-/// A path as it grows.
-struct PathState {
-  Ray<World> ray;
-  Color throughput{1.0f};
-  Color worth{1.0f};  ///< By what roulette is played: the throughput before a direction out of a medium was chosen.
-  DirectionRecord direction;                  ///< How the ray's direction was found.
-  const Medium* boundaryMedium = nullptr;     ///< Surface-defined medium around the ray.
-  std::optional<accel::SurfaceHit> touching;  ///< A surface right where the ray begins, to be met first.
-  float splitThreshold = neverSplit;          ///< Of light sampling at the ray's end.
-  /// Lights beside this ray, and those beside the ray before, which the record of this one's direction refers to.
-  std::array<std::optional<LightsAlongRay>, 2> lights;
-  bool lightsReach = false;  ///< Since lights were sampled the path has only gone through what lets shadow
-                             ///< rays pass straight.
-  int length = 1;            ///< Segments so far, this ray's included.
-  int scatterings = 0;       ///< Before the ray, without those that let pass straight.
-  float wayBefore = 0;       ///< From the camera to where the ray begins; for AOVs.
-  std::uint32_t rayTypes = shading::ray::camera;
-};
 
 /// What a ray is that leaves a surface, as shaders call it.
 std::uint32_t rayTypeAfter(const ClosureSample& sample, bool crosses, std::uint32_t before) {
@@ -180,9 +162,44 @@ Task<Color> lightByFurtherChoices(PathContext& path, const PathState& state, con
   co_return sum;
 }
 
+/// Goes on in a direction of the vertex's own choice; `seen` is the path's footprint there.
+void leaveMedium(PathContext& path, PathState& state, const MediumVertex& vertex, const RayFootprint& seen,
+                 std::array<float, 2> u) {
+  if (vertex.followsLamps()) path.statistics().work.add(Work::lampDirection);
+  const volume::PhaseSample next = vertex.sample(u);
+  if (path.record) path.record->scatter(inMedium, Color(next.weight));
+  state.direction = {vertex.position(), next.pdf, next.isDelta, vertex.place(), vertex.links(), state.splitThreshold};
+  state.rayTypes = shading::ray::diffuse;
+  state.lightsReach = true;
+  if (path.keepsFootprints()) {
+    path.setFootprint(footprintScattered(seen, vertex.position(), next.direction, next.pdf, next.isDelta));
+  }
+  continueFrom(state, vertex.position(), next.direction, Color(next.weight), Color(1.0f));
+}
+
+/// Where a path would bring much more than its pixel shows it goes on in several directions, all but one of them later.
+/// Each has its part of the throughput.
+void splitPath(PathContext& path, PathState& state, const MediumVertex& vertex, PathBranches& later) {
+  const ContributionMap& contributions = path.scene().contributions;
+  if (!hasOptionalEffects || contributions.isEmpty()) return;
+  const int count = contributions.branches(vertex.position(), state.throughput, path.id().x, path.id().y);
+  if (count < 2 || !later.hasRoom()) return;
+  path.statistics().work.add(Work::contribution);
+  path.statistics().pathVertices += static_cast<std::uint64_t>(count) - 1;
+  const float part = 1 / static_cast<float>(count);
+  state.throughput *= part;
+  if (path.record) path.record->weaken(Color(part));
+  const RayFootprint seen = path.footprint();
+  for (int i = 1; i < count; ++i) {
+    PathBranch& branch = later.begin(path, state, i);
+    leaveMedium(path, branch.state, vertex, seen, branch.random.next2D());
+    later.finish(path, state, seen);
+  }
+}
+
 /// Scatters in a medium. False when the path ends.
 Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radiance, const LightsAlongRay& lights,
-                           const volume::DistanceSample& event) {
+                           const volume::DistanceSample& event, PathBranches& later) {
   const PreparedScene& scene = path.scene();
   const PlaceOnRay place{&lights, event.t, event.choicePdf, event.lightScale};
   const MediumVertex vertex(scene, *event.medium, state.ray, place, event.anisotropy, state.boundaryMedium, path.media);
@@ -198,17 +215,8 @@ Task<bool> scatterInMedium(PathContext& path, PathState& state, Radiance& radian
     radiance.color += state.throughput * light;
     if (path.record) path.record->addSampled(light, inMedium);
   }
-  if (vertex.followsLamps()) path.statistics().work.add(Work::lampDirection);
-  const volume::PhaseSample next = vertex.sample(path.random().next2D());
-  if (path.record) path.record->scatter(inMedium, Color(next.weight));
-  state.direction = {vertex.position(), next.pdf, next.isDelta, place, vertex.links(), state.splitThreshold};
-  state.rayTypes = shading::ray::diffuse;
-  state.lightsReach = true;
-  if (path.keepsFootprints()) {
-    const RayFootprint& before = path.footprint();
-    path.setFootprint(footprintScattered(before, vertex.position(), next.direction, next.pdf, next.isDelta));
-  }
-  continueFrom(state, vertex.position(), next.direction, Color(next.weight), Color(1.0f));
+  splitPath(path, state, vertex, later);
+  leaveMedium(path, state, vertex, path.footprint(), path.random().next2D());
   co_return true;
 }
 
@@ -455,15 +463,11 @@ void addEscapedLight(PathContext& path, PathState& state, Radiance& radiance) {
   radiance.color += state.throughput * escapedLight(scene, state.ray.direction, state.direction, path.record);
 }
 
-Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
+/// Follows a path to its end, but for the branches that are left for later.
+Task<> followPath(PathContext& path, PathState& state, Radiance& radiance, PathBranches& later) {
   const PreparedScene& scene = path.scene();
-  Radiance radiance;
-  if (scene.nestsMedia) path.media = scene.initialMedia;
-  if (scene.probesMedia) co_await probeMedia(path, cameraRay.at(cameraRay.tMin), cameraRay.time);
-  PathState state{.ray = cameraRay,
-                  .boundaryMedium = scene.nestsMedia ? ruler(path, scene.cameraMedium) : scene.cameraMedium};
   std::optional<accel::HitKey> passed;  // The boundary that this ray has just gone through.
-  bool goesOn = scene.path.maxDepth != 0;
+  bool goesOn = true;
   while (goesOn) {
     std::optional<accel::SurfaceHit> hit = std::exchange(state.touching, {});
     const bool isTouching = hit.has_value();
@@ -528,8 +532,8 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
       }
       radiance.alpha = 1;
       passed.reset();
-      goesOn =
-          co_await scatterInMedium(path, state, radiance, lights, event) && survivesRoulette(path, state, radiance);
+      goesOn = co_await scatterInMedium(path, state, radiance, lights, event, later) &&
+               survivesRoulette(path, state, radiance);
     } else if (!hit) {
       // What lets the camera see straight through shows no environment either.
       const bool isHidden = scene.path.hideEmitters && state.rayTypes == shading::ray::camera;
@@ -549,6 +553,20 @@ Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
     path.statistics().pathVertices += goesOn;
     if (goesOn && state.length > 2) path.statistics().work.add(Work::laterScattering);
   }
+}
+
+Task<Radiance> tracePath(PathContext& path, Ray<World> cameraRay) {
+  const PreparedScene& scene = path.scene();
+  Radiance radiance;
+  if (scene.nestsMedia) path.media = scene.initialMedia;
+  if (scene.probesMedia) co_await probeMedia(path, cameraRay.at(cameraRay.tMin), cameraRay.time);
+  PathState state{.ray = cameraRay,
+                  .boundaryMedium = scene.nestsMedia ? ruler(path, scene.cameraMedium) : scene.cameraMedium};
+  if (scene.path.maxDepth == 0) co_return radiance;
+  PathBranches later;
+  do {
+    co_await followPath(path, state, radiance, later);
+  } while (later.resumeLast(path, state));
   co_return radiance;
 }
 

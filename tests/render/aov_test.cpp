@@ -130,6 +130,27 @@ TEST(LightLayers, AddUpWhereLightIsClamped) {
 }
 
 /// Two closures of one kind, the one twice the other, and one of another kind, each with a label.
+/// A lamp deep in fog that the pixels at the rim hardly see: paths that come near it are split.
+TEST(Aovs, AddUpWherePathsAreSplit) {
+  const TestScene scene =
+      aovScene("direct:direct,indirect:indirect,volume:volume,surface:surface,lights:light_groups",
+               R"(<integer name="max_depth" value="20"/>
+                                   <string name="roulette" value="contribution"/>)",
+               sensorOfAll(), R"(<emitter type="point"><point name="position" x="0.5" y="0.1" z="0.6"/>
+      <rgb name="intensity" value="6, 5, 4"/><string name="light_group" value="key"/></emitter>
+      <shape type="rectangle"><transform name="to_world"><scale value="4"/><rotate x="1" angle="-90"/><translate y="-1"/>
+      </transform><bsdf type="diffuse"/></shape>
+      <volume type="sphere"><float name="radius" value="1.5"/><medium type="homogeneous">
+      <rgb name="sigma_t" value="2, 2.5, 3"/><rgb name="albedo" value="0.9, 0.8, 0.7"/></medium></volume>)");
+  ASSERT_TRUE(scene.scene());
+  ASSERT_FALSE(scene.scene()->contributions.isEmpty());
+  ASSERT_GT(scene.scene()->contributions.branches({0.5f, 0.1f, 0.6f}, Color(1), 1, 8), 1);
+  const auto film = scene.render(256);
+  expectSum(*film, {"direct", "indirect"});
+  expectSum(*film, {"surface", "volume"});
+  expectSum(*film, {"light_key"});
+}
+
 TEST(Aovs, LabelsOfClosuresSplitWhatASurfaceScatters) {
   const std::string content = R"(<emitter type="constant"><rgb name="radiance" value="0.2, 0.3, 0.5"/></emitter>
       <emitter type="point"><point name="position" x="1" y="2" z="-2"/><rgb name="intensity" value="6, 5, 4"/>

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "tests/render/film_checks.h"
 
 // Russian roulette by what paths may still bring: no mean changes, whatever the pilot has seen, and no weight explodes.
@@ -61,6 +63,30 @@ TEST(ContributionRoulette, MakesNoFirefliesOfWhatThePilotMissed) {
     return sum;
   };
   EXPECT_LT(worst(byContribution), 2 * worst(byThroughput));
+}
+
+/// Fog on both sides of a wall with a gap, lit behind the wall: of the paths that find the gap most are split.
+TEST(ContributionSplitting, ShowsTheSame) {
+  const std::string walls = R"(<shape type="rectangle"><transform name="to_world"><scale x="1" y="2"/>
+        <translate x="{0}1.2" z="0.3"/></transform><bsdf type="twosided"><bsdf type="diffuse">
+        <rgb name="reflectance" value="0.2"/></bsdf></bsdf></shape>)";
+  const std::string fog = R"(<medium name="interior" type="homogeneous"><rgb name="sigma_t" value="1.2, 1.4, 1.8"/>
+      <rgb name="albedo" value="0.95, 0.9, 0.8"/></medium>)";
+  const std::string content =
+      fmt::format(fmt::runtime(walls), "") + fmt::format(fmt::runtime(walls), "-") +
+      R"(<shape type="rectangle"><transform name="to_world"><scale value="0.4"/><rotate x="1" angle="90"/>
+        <translate x="-1" y="1.5" z="1.2"/></transform><emitter type="area"><rgb name="radiance" value="100"/></emitter></shape>
+        <shape type="cube"><transform name="to_world"><scale value="1.6"/></transform><bsdf type="null"/>)" +
+      fog + "</shape>";
+  const std::string depth = R"(<integer name="max_depth" value="40"/>)";
+  const TestSensor sensor{.fov = 36, .width = 8, .height = 8};
+  TestSensor other = sensor;
+  other.seed = 1;
+  const TestScene with = loadScene(depth + byContribution, sensor, content);
+  const TestScene without = loadScene(depth + byThroughput, other, content);
+  ASSERT_FALSE(with.scene()->contributions.isEmpty());
+  EXPECT_GT(with.scene()->contributions.branches({-0.8f, 0.8f, 1.0f}, Color(1), 4, 4), 1);
+  EXPECT_TRUE(showTheSame(*with.render(8192), *without.render(8192), 0.04));
 }
 
 /// The pilot is the same whatever renders it.

@@ -189,16 +189,6 @@ TEST(JointLightsElsewhere, HaveNoEffectAndAreReported) {
 INSTANTIATE_TEST_SUITE_P(All, LightsInFog, ::testing::ValuesIn(methods),
                          [](const auto& info) { return std::string(info.param.name); });
 
-double meanVariance(const render::Film& film) {
-  double sum = 0;
-  for (int y = film.area().y0; y < film.area().y1; ++y) {
-    for (int x = film.area().x0; x < film.area().x1; ++x) {
-      sum += std::pow(static_cast<double>(film.estimate(x, y).standardError[1]), 2);
-    }
-  }
-  return sum;
-}
-
 /// A lamp of a hundredth of the fog's size: over the whole ball of fog, and around the lamp.
 TEST(LightsInFogVariance, IsManyTimesLessWithDistancesChosenForTheLight) {
   LampInFog lamp;
@@ -210,13 +200,13 @@ TEST(LightsInFogVariance, IsManyTimesLessWithDistancesChosenForTheLight) {
   const std::string hidden = R"(<boolean name="hide_emitters" value="true"/>)";
   const TestScene with = loadScene(once + hidden, wholeBall, content);
   const TestScene without = loadScene(onceWithout + hidden, wholeBall, content);
-  const double ratio = meanVariance(*without.render(1024)) / meanVariance(*with.render(1024));
+  const double ratio = summedVariance(*without.render(1024)) / summedVariance(*with.render(1024));
   RecordProperty("ratio", fmt::format("{:.1f}", ratio));
   EXPECT_GT(ratio, 10);
   // Around the lamp, where most of the light is.
   const TestScene near = loadScene(once + hidden, besideTheLamp, content);
   const TestScene nearWithout = loadScene(onceWithout + hidden, besideTheLamp, content);
-  const double nearRatio = meanVariance(*nearWithout.render(1024)) / meanVariance(*near.render(1024));
+  const double nearRatio = summedVariance(*nearWithout.render(1024)) / summedVariance(*near.render(1024));
   RecordProperty("nearRatio", fmt::format("{:.1f}", nearRatio));
   EXPECT_GT(nearRatio, 25);
 }
@@ -356,7 +346,7 @@ TEST(LampsInMediaVariance, IsSeveralTimesLessWithDirectionsTowardsThem) {
   const TestSensor wholeBall{.fov = 24, .width = 16, .height = 16};
   const TestScene with = loadScene(depth, wholeBall, lamp.xml(""));
   const TestScene without = loadScene(depth + noLampDirections, wholeBall, lamp.xml(""));
-  const double ratio = meanVariance(*without.render(512)) / meanVariance(*with.render(512));
+  const double ratio = summedVariance(*without.render(512)) / summedVariance(*with.render(512));
   RecordProperty("ratio", fmt::format("{:.1f}", ratio));
   EXPECT_GT(ratio, 2);
 }
@@ -369,12 +359,12 @@ TEST(LampsInMediaVariance, IsNotBroughtBackByRoulette) {
   const std::string depth = R"(<integer name="max_depth" value="16"/><boolean name="hide_emitters" value="true"/>)";
   const TestSensor wholeBall{.fov = 24, .width = 16, .height = 16};
   const TestScene whole = loadScene(depth + R"(<integer name="rr_depth" value="100"/>)", wholeBall, lamp.xml(""));
-  const double variance = meanVariance(*whole.render(1024));
+  const double variance = summedVariance(*whole.render(1024));
   for (const auto& [roulette, most] : {std::pair{"throughput", 2.5}, {"contribution", 1.4}}) {
     const TestScene played = loadScene(
         depth + fmt::format(R"(<integer name="rr_depth" value="1"/><string name="roulette" value="{}"/>)", roulette),
         wholeBall, lamp.xml(""));
-    const double ratio = meanVariance(*played.render(1024)) / variance;
+    const double ratio = summedVariance(*played.render(1024)) / variance;
     RecordProperty(roulette, fmt::format("{:.2f}", ratio));
     EXPECT_LT(ratio, most) << roulette;
   }

@@ -172,4 +172,15 @@ inline Color color(const std::function<double(int)>& channel) {
   return {static_cast<float>(channel(0)), static_cast<float>(channel(1)), static_cast<float>(channel(2))};
 }
 
+/// Squared standard errors of all pixels, in green, added up.
+inline double summedVariance(const render::Film& film) {
+  double sum = 0;
+  for (int y = film.area().y0; y < film.area().y1; ++y) {
+    for (int x = film.area().x0; x < film.area().x1; ++x) {
+      sum += std::pow(static_cast<double>(film.estimate(x, y).standardError[1]), 2);
+    }
+  }
+  return sum;
+}
+
 }  // namespace aerosol::test

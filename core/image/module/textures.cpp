@@ -3,7 +3,9 @@
 #include <Imath/ImathVec.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <unordered_map>
 #include <utility>
@@ -31,6 +33,28 @@ float boundedCoordinate(float value) {
 float boundedFootprint(float value) {
   constexpr float largest = 1e6f;  // far beyond where everything is the whole image's mean, and its square is finite
   return std::clamp(numberOr0(value), -largest, largest);
+}
+
+/// How a lookup changes from pixel to pixel, in s and t.
+struct Footprint {
+  std::array<float, 2> dx{}, dy{};
+};
+
+/// A blur widens the ellipse of the footprint, which OpenImageIO can do only of one that has an area: of a narrower one
+/// the short axis becomes this part of the long one, of a point both become the least.
+Footprint blurrable(Footprint f) {
+  constexpr float narrowest = 1e-3f, least = 1e-6f;
+  auto &longer = f.dx, &shorter = f.dy;
+  if (std::hypot(shorter[0], shorter[1]) > std::hypot(longer[0], longer[1])) std::swap(longer, shorter);
+  const float length = std::hypot(longer[0], longer[1]);
+  if (!(length > least)) return {{least, 0}, {0, least}};
+  const std::array<float, 2> along{longer[0] / length, longer[1] / length};
+  const float across = along[0] * shorter[1] - along[1] * shorter[0];
+  if (std::fabs(across) >= narrowest * length) return f;
+  const float inside = along[0] * shorter[0] + along[1] * shorter[1];
+  const float wide = std::copysign(narrowest * length, across);
+  shorter = {inside * along[0] - wide * along[1], inside * along[1] + wide * along[0]};
+  return f;
 }
 
 OIIO::TextureOpt::Wrap wrapOf(TextureWrap wrap) {
@@ -112,6 +136,12 @@ class Session final : public TextureSession {
         if (!hasMissing) failures.push_back({i, std::move(message)});
         continue;
       }
+      const Part part = partOf(kind, file, points[i]);
+      if (!part.exists || !part.hasChannels) {
+        std::fill(results, results + channels, points[i].fill);
+        if (!part.exists) failures.push_back({i, noSubimage(name, points[i].subimage, part.subimages)});
+        continue;
+      }
       if (sample(kind, file, points[i], channels, results)) continue;
       message = system_.geterror();
       if (message.empty()) message = "no image for this place";
@@ -172,6 +202,43 @@ class Session final : public TextureSession {
     return file;
   }
 
+  /// What of a file is asked for.
+  struct Part {
+    int subimages = 1;
+    bool exists = true, hasChannels = true;
+  };
+
+  /// OpenImageIO reads subimages and first channels that a file does not have all the same.
+  Part partOf(TextureKind kind, const TextureFile& file, const TexturePoint& point) {
+    Part part;
+    const bool isCounted = point.subimage != 0 && point.subimageName.empty();
+    if (!isCounted && point.firstChannel <= 0) return part;
+    OIIO::TextureSystem::TextureHandle* handle = file.handle;
+    if (file.isUdim && kind == TextureKind::plane) {
+      handle = system_.resolve_udim(handle, thread_, boundedCoordinate(point.at[0]), boundedCoordinate(point.at[1]));
+    }
+    if (!handle) return part;
+    const auto number = [&](int subimage, const char* entry, int otherwise) {
+      int value = otherwise;
+      const bool isFound =
+          system_.get_texture_info(handle, thread_, subimage, ustring(entry), OIIO::TypeDesc::INT, &value);
+      if (!isFound) (void)system_.geterror();
+      return isFound ? value : otherwise;
+    };
+    part.subimages = number(0, "subimages", 1);
+    part.exists = !isCounted || (point.subimage > 0 && point.subimage < part.subimages);
+    if (part.exists && point.firstChannel > 0) {
+      const int subimage = isCounted ? point.subimage : 0;
+      part.hasChannels = point.firstChannel < number(subimage, "channels", std::numeric_limits<int>::max());
+    }
+    return part;
+  }
+
+  static std::string noSubimage(std::string_view name, int subimage, int count) {
+    return "the texture \"" + std::string(name) + "\" has no subimage " + std::to_string(subimage) + ", but " +
+           std::to_string(count) + ", counted from 0";
+  }
+
   /// The tile of a UDIM set, each of which is converted by itself.
   bool sampleTile(const TextureFile& file, const TexturePoint& point, int channels, float* result) {
     TexturePoint inside = point;
@@ -192,11 +259,21 @@ class Session final : public TextureSession {
       return Imath::V3f(bounded(v[0]), bounded(v[1]), bounded(v[2]));
     };
     switch (kind) {
-      case TextureKind::plane:
+      case TextureKind::plane: {
+        Footprint footprint{{boundedFootprint(point.dx[0]), boundedFootprint(point.dx[1])},
+                            {boundedFootprint(point.dy[0]), boundedFootprint(point.dy[1])}};
+        if (options.sblur > 0 || options.tblur > 0) {
+          for (auto* axis : {&footprint.dx, &footprint.dy}) {
+            (*axis)[0] = boundedFootprint((*axis)[0] * options.swidth);
+            (*axis)[1] = boundedFootprint((*axis)[1] * options.twidth);
+          }
+          options.swidth = options.twidth = 1;
+          footprint = blurrable(footprint);
+        }
         return system_.texture(file.handle, thread_, options, boundedCoordinate(point.at[0]),
-                               boundedCoordinate(point.at[1]), boundedFootprint(point.dx[0]),
-                               boundedFootprint(point.dx[1]), boundedFootprint(point.dy[0]),
-                               boundedFootprint(point.dy[1]), channels, result);
+                               boundedCoordinate(point.at[1]), footprint.dx[0], footprint.dx[1], footprint.dy[0],
+                               footprint.dy[1], channels, result);
+      }
       case TextureKind::volume:
         return system_.texture3d(file.handle, thread_, options, triple(point.at, boundedCoordinate),
                                  triple(point.dx, boundedFootprint), triple(point.dy, boundedFootprint),

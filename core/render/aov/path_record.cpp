@@ -49,6 +49,18 @@ void PathRecord::scatter(std::span<const ScatterShare> shares, Color weight) {
   }
 }
 
+PathRecord::Place PathRecord::place() const {
+  Place result;
+  result.weights_ = weights_;
+  result.wentStraight_ = wentStraight_;
+  return result;
+}
+
+void PathRecord::returnTo(const Place& place) {
+  weights_ = place.weights_;
+  wentStraight_ = place.wentStraight_;
+}
+
 void PathRecord::deposit(State state, Color light) {
   for (const std::uint32_t expression : plan_.automaton.matches(state)) {
     const std::uint32_t slot = plan_.expressionSlots[expression];

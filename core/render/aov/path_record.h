@@ -25,6 +25,12 @@ struct ScatterShare {
 /// all of them: `weights_` says how much of the path's throughput is in which state of the automaton. So no random
 /// choice of a kind adds noise, and what expressions that exclude each other gather adds up to the picture.
 class PathRecord {
+  using State = LightPathAutomaton::State;
+  struct Weight {
+    State state = LightPathAutomaton::dead;
+    Color weight;
+  };
+
  public:
   explicit PathRecord(const AovPlan& plan) : plan_(plan), values_(plan.layout.width) {
     if (plan.layout.deep.isWanted()) deep_.emplace(plan.layout.deep);
@@ -37,6 +43,15 @@ class PathRecord {
   void weaken(Color factor);
   /// Goes on with `weight` times the throughput; the shares add up to 1.
   void scatter(std::span<const ScatterShare> shares, Color weight);
+
+  /// Where a path stands that goes on in several branches.
+  class Place {
+    friend class PathRecord;
+    std::vector<Weight> weights_;
+    bool wentStraight_ = false;
+  };
+  Place place() const;
+  void returnTo(const Place& place);
 
   // In step with what is added to the picture; each is for unit throughput:
   /// The path's end at a source of light.
@@ -97,11 +112,6 @@ class PathRecord {
   std::span<const float> finish(const Sample& sample);
 
  private:
-  using State = LightPathAutomaton::State;
-  struct Weight {
-    State state = LightPathAutomaton::dead;
-    Color weight;
-  };
   struct Lit {
     PathSymbol source = 0;
     Vector<World> direction;

@@ -193,6 +193,48 @@ TEST_F(Textures, ChannelsAndFill) {
   EXPECT_TRUE(failures_.empty());
 }
 
+TEST_F(Textures, ChannelsAndSubimagesThatAFileDoesNotHave) {
+  const std::string file = write("three.exr", 4, 4, {"R", "G", "B"}, [](int, int, int) { return 0.25f; });
+  for (const int first : {3, 4, 100, std::numeric_limits<int>::max()}) {
+    for (const float place : {0.0f, 0.125f, 0.999f, 1.0f}) {
+      const TexturePoint point{.at = {place, place, 0}, .firstChannel = first, .fill = 0.75f};
+      EXPECT_EQ(look(file, point, 3), (std::vector{0.75f, 0.75f, 0.75f})) << first << ' ' << place;
+      EXPECT_TRUE(failures_.empty());
+    }
+  }
+  for (const int subimage : {1, 7, -1, std::numeric_limits<int>::min()}) {
+    const TexturePoint point{.at = {0.5f, 0.5f, 0}, .subimage = subimage, .fill = 0.5f};
+    EXPECT_EQ(look(file, point, 3), (std::vector{0.5f, 0.5f, 0.5f})) << subimage;
+    ASSERT_EQ(failures_.size(), 1u);
+    EXPECT_NE(failures_[0].message.find("has no subimage " + std::to_string(subimage)), std::string::npos);
+  }
+}
+
+/// Parallel axes, one without length, points, and what is next to them.
+TEST_F(Textures, BlursFootprintsWithoutArea) {
+  const std::string file = write("even.exr", 64, 64, {"R", "G", "B"}, [](int, int, int) { return 0.25f; });
+  for (const float blur : {1e-6f, 0.01f, 1.0f, 1e6f}) {
+    for (const float scale : {0.0f, 1e-30f, 1e-12f, 1e-6f, 1e-3f, 1.0f, 1e6f}) {
+      for (const float lean : {0.0f, 1e-7f, 1e-3f}) {
+        for (const auto& [x, y] : {std::pair{1.0f, 1.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}, {-0.3f, 0.7f}}) {
+          TexturePoint point{.at = {0.3f, 0.7f, 0},
+                             .blur = {blur, blur, 0},
+                             .wrap = {TextureWrap::periodic, TextureWrap::periodic, TextureWrap::periodic}};
+          point.dx[0] = scale * x, point.dx[1] = scale * y;
+          for (const float second : {0.0f, 1.0f, -2.0f}) {
+            point.dy[0] = second * scale * (x + lean), point.dy[1] = second * scale * y;
+            for (const float width : {1.0f, 0.0f}) {
+              point.width[0] = width;
+              for (const float c : look(file, point, 3))
+                EXPECT_NEAR(c, 0.25f, 1e-4f) << blur << " " << scale << " " << x;
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST_F(Textures, MissingFiles) {
   const std::string file = (folder_ / "none.exr").string();
   TexturePoint point = at(0.5f, 0.5f);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/base/random.h"
 
 namespace aerosol::render {
@@ -47,6 +49,19 @@ TEST(ContributionMapTest, DoesNotDependOnTheOrderOfPaths) {
     EXPECT_EQ(map.expected({t, 1 - t, t * t}), other.expected({t, 1 - t, t * t}));
     EXPECT_EQ(map.pixel(3 * i, i), other.pixel(3 * i, i));
   }
+}
+
+TEST(ContributionMapTest, SplitsWhatWouldBringMuchMoreThanThePixelShows) {
+  const ContributionMap map(somePaths(), 32, 32, 320, 320);
+  const Point<World> place(0.9f, 0.5f, 0.5f);
+  const float one = map.pixel(100, 100) / map.expected(place);
+  EXPECT_EQ(map.branches(place, Color(one), 100, 100), 1);
+  EXPECT_EQ(map.branches(place, Color(0.99f * ContributionMap::splitAbove * one), 100, 100), 1);
+  EXPECT_EQ(map.branches(place, Color(-3.01f * ContributionMap::splitTo * one), 100, 100), 3);
+  EXPECT_EQ(map.branches(place, Color(1e6f * one), 100, 100), ContributionMap::mostBranches);
+  EXPECT_EQ(map.branches(place, Color(std::numeric_limits<float>::infinity()), 100, 100),
+            ContributionMap::mostBranches);
+  EXPECT_EQ(map.branches(place, Color(std::numeric_limits<float>::quiet_NaN()), 100, 100), 1);
 }
 
 TEST(ContributionMapTest, SurvivalIsWhatIsBroughtOfWhatIsWanted) {
