@@ -14,10 +14,10 @@ class DictionarySource {
   virtual ~DictionarySource() = default;
 
   /// The first node of a dictionary (its text, or the name of a file) that a query matches: 0 when there is none, -1
-  /// when the dictionary is none or cannot be read.
-  virtual std::int32_t find(std::string_view dictionary, std::string_view query) = 0;
+  /// when the dictionary is none or cannot be read. `problem` is what is wrong with the dictionary or the query.
+  virtual std::int32_t find(std::string_view dictionary, std::string_view query, std::string& problem) = 0;
   /// The same from a node on.
-  virtual std::int32_t find(std::int32_t node, std::string_view query) = 0;
+  virtual std::int32_t find(std::int32_t node, std::string_view query, std::string& problem) = 0;
   /// The next node that matched the query by which this one was found; 0 when it was the last.
   virtual std::int32_t next(std::int32_t node) = 0;
   /// An attribute of a node; of an empty name, its text. Nothing when there is no such attribute or node.

@@ -61,10 +61,10 @@ void Checker::checkNoise(const Expression& expression, Call& call) {
       isKnown = isKnown || known.name == literal->value;
     }
     if (!isKnown) {
-      error(call.arguments[0]->position,
-            std::string("unknown kind of ") + (isPeriodic ? "periodic noise" : "noise") + " \"" + literal->value + "\"",
-            {note});
-      return;
+      advise(call.arguments[0]->position,
+             std::string("unknown kind of ") + (isPeriodic ? "periodic noise" : "noise") + " \"" + literal->value +
+                 "\": it is 0 everywhere",
+             {note});
     }
   }
   checkNoiseOptions(call, call.builtin->parameters.size());
@@ -90,10 +90,14 @@ void Checker::checkNoiseOptions(const Call& call, std::size_t first) {
     if (option == noiseOptions.end()) {
       std::string note = "the options are:";
       for (const NoiseOption& known : noiseOptions) note += " \"" + std::string(known.name) + "\"";
-      warning(key.position, "unknown option \"" + literal->value + "\" of noise is ignored", {note});
+      advise(key.position, "unknown option \"" + literal->value + "\" of noise is ignored", {note});
       continue;
     }
-    requireAssignable(option->type, *call.arguments[i + 1], "the value of option \"" + literal->value + "\"");
+    const Expression& value = *call.arguments[i + 1];
+    if (!isPoisoned(value.type) && !isAssignable(option->type, value.type)) {
+      advise(value.position, "option \"" + literal->value + "\" is of type " + toString(option->type) + ", not " +
+                                 toString(value.type) + ": it is ignored");
+    }
   }
 }
 

@@ -245,6 +245,11 @@ Type Checker::checkCall(Expression& expression, Call& call, const Type& expected
   return chosen->result;
 }
 
+bool Checker::isLiteral(const Expression& expression) {
+  return std::holds_alternative<IntLiteral>(expression.node) || std::holds_alternative<FloatLiteral>(expression.node) ||
+         std::holds_alternative<StringLiteral>(expression.node);
+}
+
 /// A function that writes one of its inputs writes the variable that is passed for it.
 void Checker::markWritten(const VariableDeclaration& formal, const Expression& argument) {
   if (!formal.isAssigned) return;
@@ -264,7 +269,12 @@ void Checker::bindArguments(const Candidate& candidate, std::vector<ExpressionPt
       if (candidate.function) markWritten(*candidate.function->parameters[i], argument);
       continue;
     }
-    if (!checkWritable(argument)) continue;
+    const bool isPlace = std::holds_alternative<Name>(rootOf(argument).node);
+    if (candidate.function && !isPlace && !(strict_ && isLiteral(argument))) {
+      advise(argument.position, "this argument is an output of the function: what it writes is lost");
+    } else if (!checkWritable(argument)) {
+      continue;
+    }
     const bool sameKind = formal == types::none || argument.type.element() == formal.element() ||
                           (argument.type.isTriple() && formal.isTriple());
     if (!sameKind && !isPoisoned(argument.type)) {
@@ -334,7 +344,7 @@ Type Checker::checkClosureCall(Expression& expression, Call& call, const Closure
               {note});
         return poisoned;
       }
-      warning(key.position, std::string("unknown option of closure '") + row.name + "' is ignored", {note});
+      advise(key.position, std::string("unknown option of closure '") + row.name + "' is ignored", {note});
     }
     if (i + 1 >= call.arguments.size()) {
       error(key.position, "option \"" + literal->value + "\" has no value");

@@ -273,6 +273,12 @@ Type Checker::checkConditional(Expression& expression, Conditional& conditional,
   checkCondition(*conditional.condition, "the condition of '?:'");
   const Type yes = check(*conditional.yes, expected), no = check(*conditional.no, expected);
   if (isPoisoned(yes) || isPoisoned(no)) return poisoned;
+  const auto isKnownToOslc = [](const Type& type) { return !type.closure && type.base != BaseType::structure; };
+  if (strict_ && !(isKnownToOslc(yes) && isKnownToOslc(no))) {
+    error(expression.position, "'?:' chooses between " + toString(yes) + " and " + toString(no) +
+                                   ", which other compilers refuse: use 'if'");
+    return poisoned;
+  }
   if (yes == no && !(yes == types::none) && !(strict_ && yes.isArray())) return yes;
   if (yes.closure && isZeroLiteral(*conditional.no)) return yes;
   if (no.closure && isZeroLiteral(*conditional.yes)) return no;

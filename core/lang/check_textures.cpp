@@ -21,8 +21,7 @@ void Checker::checkTextureOptions(Call& call) {
       std::string list = "the options are:";
       for (const std::string& known : names) list += " \"" + known + "\"";
       notes.push_back(list);
-      warning(arguments[i]->position, "unknown option \"" + name->value + "\" of '" + call.name + "' is ignored",
-              notes);
+      advise(arguments[i]->position, "unknown option \"" + name->value + "\" of '" + call.name + "' is ignored", notes);
     }
     if (i + 1 >= arguments.size()) {
       error(arguments[i]->position, "option \"" + name->value + "\" has no value");
@@ -30,14 +29,12 @@ void Checker::checkTextureOptions(Call& call) {
     }
     if (!option) continue;
     Expression& value = *arguments[i + 1];
-    if (option->kind == TextureOptionKind::subimage && value.type == types::string) continue;
-    if (option->isOutput()) {
-      if (checkWritable(value) && !(value.type == option->type) && !isPoisoned(value.type))
-        error(value.position, "option \"" + name->value + "\" writes a variable of type " + toString(option->type) +
-                                  ", and this is of type " + toString(value.type));
-      continue;
+    if (isPoisoned(value.type) || (option->isOutput() && !checkWritable(value))) continue;
+    if (!option->takes(value.type)) {
+      advise(value.position, "option \"" + name->value + "\" " +
+                                 (option->isOutput() ? "writes a variable" : "is a value") + " of type " +
+                                 toString(option->type) + ", not " + toString(value.type) + ": it is ignored");
     }
-    requireAssignable(option->type, value, "the value of option \"" + name->value + "\"");
   }
 }
 

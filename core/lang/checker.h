@@ -128,6 +128,7 @@ class Checker {
   int scoreCandidate(const Candidate& candidate, const std::vector<ExpressionPtr>& arguments,
                      const std::vector<Type>& types) const;
   bool listFits(const Expression& list, const Type& type) const;
+  static bool isLiteral(const Expression& expression);
   static void markWritten(const VariableDeclaration& formal, const Expression& argument);
   void bindArguments(const Candidate& candidate, std::vector<ExpressionPtr>& arguments, Position position);
   void useFunction(const FunctionDeclaration& function, Position position);

@@ -40,7 +40,8 @@ Result<CompiledSource> compile(Result<ParsedSource> parsed, const CompileOptions
   for (const FunctionUse& function : result.layer->functions)
     if (const auto name = parseNativeSymbol(function.symbol))
       result.dependencies.push_back({name->file, name->contentHash});
-  result.warnings = std::move(diagnostics);
+  for (Diagnostic& each : diagnostics.entries())
+    (each.severity == Severity::note ? result.remarks : result.warnings).add(std::move(each));
   return result;
 }
 

@@ -34,6 +34,7 @@ struct CompiledSource {
   std::shared_ptr<const Program> layer;  ///< The shader as a layer of groups (see group.h).
   std::vector<Dependency> dependencies;
   Diagnostics warnings;
+  Diagnostics remarks;  ///< What an OSL renderer says when it makes code of the shader, in its words; notes.
 };
 
 /// The program of its own that a layer's shader is (see `complete` in lower.h), without what no output needs.

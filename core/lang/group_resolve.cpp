@@ -4,6 +4,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/lang/array_lengths.h"
 #include "core/lang/effects.h"
 #include "core/lang/fold.h"
 #include "core/lang/group.h"
@@ -129,13 +130,20 @@ class Resolver {
         result_.warnings.warning(
             given.location,
             fmt::format("attempting to set parameter with wrong type: {} (expected '{}', received '{}')",
-                        given.parameter, toString(type), toString(given.type)));
+                        given.parameter, declaredType(parameter(at, *index)), toString(given.type)));
       } else {
         errors_.error(given.location,
                       fmt::format("parameter '{}' of shader '{}' is a {}; a {} does not fit", given.parameter,
                                   shaderName(at), toString(type), toString(given.type)));
       }
     }
+  }
+
+  /// Of arrays without a length, without the one that they were given.
+  static std::string declaredType(const Parameter& parameter) {
+    Type type = parameter.type;
+    if (isUnsized(parameter)) type.arrayLength = Type::unsized;
+    return toString(type);
   }
 
   const std::string& shaderName(std::size_t layer) const { return group_.layers[layer].program->name; }

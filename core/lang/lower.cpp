@@ -389,6 +389,12 @@ Position Lowerer::positionOf(std::uint32_t location) const {
   return 0;
 }
 
+/// What an OSL renderer would say of a call that is no error here.
+void Lowerer::remark(Position position, std::string message) {
+  if (remarked_.insert(position).second)
+    diagnostics_.add({Severity::note, sourceMap_.location(position), std::move(message), {}, {}});
+}
+
 void Lowerer::error(Position position, std::string message, std::vector<std::string> notes) {
   // What is wrong within the standard library is wrong with the call.
   for (std::size_t i = frames_.size(); i-- > 1 && sourceMap_.isInPrelude(position);) position = frames_[i].call;

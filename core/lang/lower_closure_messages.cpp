@@ -28,9 +28,12 @@ Value Lowerer::lowerSetClosureMessage(const Expression& expression, const Call& 
   const Value value = lower(*called.arguments[1]);
   position_ = expression.position;
   if (!name) return {types::none, {}};
-  assign(closureMessage(*name), value.single());
-  callHost("setmessage", types::none, {constantString(std::string(closureMessagePrefix) + *name), constantInt(1)},
-           {.traits = writesMessages, .pure = false});
+  const VariableId kept = constantString(std::string(closureMessagePrefix) + *name);
+  // What was set first stays; that there is another one is for the host to tell.
+  const VariableId known = callHost("getmessage", types::integer, {kept, local(types::integer, "")},
+                                    {.outputs = 1u << 1, .traits = dependsOnPoint | readsMessages});
+  branch(known, [] {}, [&] { assign(closureMessage(*name), value.single()); });
+  callHost("setmessage", types::none, {kept, constantInt(1)}, {.traits = writesMessages, .pure = false});
   return {types::none, {}};
 }
 

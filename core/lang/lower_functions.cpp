@@ -123,8 +123,9 @@ bool Lowerer::isVariable(const Expression& expression, const Type& type) const {
 Value Lowerer::bindArgument(const VariableDeclaration& formal, const Expression& actual,
                             std::span<const ExpressionPtr> later, std::vector<std::pair<Place, Value>>& copiesBack) {
   // One that is written all the same stands for the caller's variable, as an output does: shaders rely on it.
-  const bool isWritten = formal.isOutput || (formal.isAssigned && isVariable(actual, formal.type));
-  if (!isWritten && formal.isAssigned) {
+  const bool isPlace = std::holds_alternative<Name>(rootOf(actual).node);
+  const bool isWritten = isPlace && (formal.isOutput || (formal.isAssigned && isVariable(actual, formal.type)));
+  if (!isWritten && (formal.isAssigned || formal.isOutput)) {
     const Value value = lowerTo(actual, formal.type);
     const Value copy = localValue(value.type, formal.name);
     assign(copy, value);

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "core/lang/lowerer.h"
+#include "core/lang/overload.h"
 
 namespace aerosol::lang {
 
@@ -39,7 +40,9 @@ Value Lowerer::noiseCall(const std::string& kind, const Type& type, const std::v
 }
 
 /// The options of a call of noise, or what they are when not given.
-std::vector<Value> Lowerer::lowerNoiseOptions(const Call& called) {
+std::vector<Value> Lowerer::lowerNoiseOptions(const Call& called, VariableId kind) {
+  const auto knownKind = constantOf(kind);
+  const bool mayBeGabor = !knownKind || knownKind->asString() == gaborKind;
   const auto single = [&](const Constant& value) { return Value{value.type, {constant(value)}}; };
   static constexpr std::array<std::string_view, 5> names = {"anisotropic", "direction", "bandwidth", "impulses",
                                                             "do_filter"};
@@ -49,11 +52,16 @@ std::vector<Value> Lowerer::lowerNoiseOptions(const Call& called) {
   for (std::size_t i = called.builtin->parameters.size(); i + 1 < called.arguments.size(); i += 2) {
     const auto& key = std::get<StringLiteral>(called.arguments[i]->node).value;
     const auto* known = std::find(names.begin(), names.end(), key);
-    if (known == names.end()) {
-      lower(*called.arguments[i + 1]);
+    Value& option = options[static_cast<std::size_t>(known - names.begin()) % names.size()];
+    const Type& given = called.arguments[i + 1]->type;
+    if (known == names.end() || !isAssignable(option.type, given)) {
+      if (mayBeGabor) {  // No other kind looks at options.
+        remark(called.arguments[i]->position,
+               "Unknown noise optional argument: \"" + key + "\", <" + toString(given) + ">");
+      }
+      lower(*called.arguments[i + 1]);  // Nothing but its side effects.
       continue;
     }
-    Value& option = options[static_cast<std::size_t>(known - names.begin())];
     option = protect(lowerTo(*called.arguments[i + 1], option.type), std::span(called.arguments).subspan(i + 2));
   }
   return options;
@@ -99,8 +107,8 @@ Value Lowerer::lowerNoise(const Expression& expression, const Call& called, bool
   const Type type = called.builtin->result;
   std::vector<Value> arguments = lowerArguments(called, called.builtin->parameters.size());
   if (!(arguments[0].type == types::string)) return noiseCall("uperlin", type, arguments, periodic);
-  const std::vector<Value> options = lowerNoiseOptions(called);
   const VariableId kind = arguments[0].single();
+  const std::vector<Value> options = lowerNoiseOptions(called, kind);
   arguments.erase(arguments.begin());
   const auto noiseOf = [&](const NoiseKind& row) {
     if (row.name == gaborKind) return gaborNoise(expression, called, arguments, periodic, options);
@@ -110,8 +118,8 @@ Value Lowerer::lowerNoise(const Expression& expression, const Call& called, bool
   if (const auto known = constantOf(kind)) {
     for (const NoiseKind& row : noiseKinds)
       if (known->asString() == row.name && (row.periodic || !periodic)) return noiseOf(row);
-    error(called.arguments[0]->position,
-          std::string("unknown kind of ") + (periodic ? "periodic noise" : "noise") + " \"" + known->asString() + "\"");
+    remark(called.arguments[0]->position, std::string(periodic ? "periodic noise" : "noise") + " type \"" +
+                                              known->asString() + "\" is unknown, called from");
     return zeroValue(type);
   }
   // A kind that is known when the program runs: a choice, which folds once the parameter does.

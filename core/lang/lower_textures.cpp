@@ -44,7 +44,10 @@ Value Lowerer::lowerTexture(const Expression& expression, const Call& called) {
   for (std::size_t i = given; i + 1 < called.arguments.size(); i += 2) {
     const std::string& name = std::get<StringLiteral>(called.arguments[i]->node).value;
     const TextureOption* const known = findTextureOption(name);
-    if (!known) {
+    const Type& type = called.arguments[i + 1]->type;
+    if (!known || !known->takes(type)) {
+      remark(called.arguments[i]->position, "Unknown " + std::string(overload.row->name) + " optional argument: \"" +
+                                                name + "\", <" + toString(type) + ">");
       lower(*called.arguments[i + 1]);  // Nothing but its side effects.
       continue;
     }
@@ -60,7 +63,7 @@ Value Lowerer::lowerTexture(const Expression& expression, const Call& called) {
       ids.push_back(variable);
       continue;
     }
-    const bool isText = called.arguments[i + 1]->type == types::string;
+    const bool isText = type == types::string;
     options.push_back(constantString(name));
     options.push_back(lowered(i + 1, isText ? types::string : option.type));
   }

@@ -100,6 +100,7 @@ class Lowerer {
   void branch(VariableId condition, Yes&& yes, No&& no);
   std::uint32_t locationOf(Position position);
   void error(Position position, std::string message, std::vector<std::string> notes = {});
+  void remark(Position position, std::string message);
   /// An error after which nothing more is lowered: what comes next would only cost time.
   void stop(Position position, std::string message);
   bool countWork(Position position);
@@ -170,7 +171,7 @@ class Lowerer {
   Value gaborNoise(const Expression& expression, const Call& call, std::vector<Value> coordinates, bool periodic,
                    const std::vector<Value>& options);
   std::array<Value, 2> gaborFootprint(const Value& point, const Value& doFilter);
-  std::vector<Value> lowerNoiseOptions(const Call& call);
+  std::vector<Value> lowerNoiseOptions(const Call& called, VariableId kind);
   Value noiseCall(const std::string& kind, const Type& type, const std::vector<Value>& coordinates, bool periodic);
   /// At most `count` of them.
   std::vector<Value> lowerArguments(const Call& call, std::size_t count = ~std::size_t{0});
@@ -255,8 +256,9 @@ class Lowerer {
   std::uint32_t scopeCount_ = 0, layeringCount_ = 0;
   int loopDepth_ = 0, nesting_ = 0, depth_ = 0;
   std::unordered_set<Position> reported_;  ///< Where there is an error already.
-  bool namesMayBeUnits_ = false;           ///< Of spaces: those that there are not are no mistake.
-  bool inBody_ = false;                    ///< Otherwise in the default values of parameters.
+  std::unordered_set<Position> remarked_;
+  bool namesMayBeUnits_ = false;  ///< Of spaces: those that there are not are no mistake.
+  bool inBody_ = false;           ///< Otherwise in the default values of parameters.
   bool failed_ = false;
 };
 

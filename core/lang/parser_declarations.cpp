@@ -136,13 +136,18 @@ Parser::ArraySpec Parser::arraySpec() {
 // File scope ----------------------------------------------------------------------------------------------------------
 
 void Parser::declaration(SourceFile& file) {
-  if (accept(TokenKind::semicolon)) return;
+  if (at(TokenKind::semicolon)) {
+    refuseHere("a ';' ends no declaration here");
+    next();
+    return;
+  }
   if (at(TokenKind::kwStruct)) {
     file.declarations.emplace_back(structDeclaration());
     return;
   }
   if (at(TokenKind::kwPublic)) {
-    warning(peek().position, "'public' has no effect");
+    refuseHere("'public' has no effect");
+    if (!strict_) warning(peek().position, "'public' has no effect");
     next();
   }
   skipQualifiers();
@@ -233,6 +238,7 @@ void Parser::structField(StructDeclaration& declaration) {
 
 std::unique_ptr<ShaderDeclaration> Parser::shaderDeclaration() {
   auto result = std::make_unique<ShaderDeclaration>();
+  if (peek().text == "light") refuseHere("'light' is no kind of shader");
   result->kind = std::string(next().text);
   const Token& name = expectName("the shader's name");
   result->name = std::string(name.text);
@@ -343,7 +349,10 @@ std::unique_ptr<VariableDeclaration> Parser::declaredVariable(const TypeName& ty
 
 std::vector<Metadata> Parser::metadata() {
   std::vector<Metadata> list;
+  const Position open = peek().position;
   const bool isInBraces = next().kind == TokenKind::leftBrace;
+  if (!isInBraces && map_.location(peek().position).column != map_.location(open).column + 1)
+    refuseHere("the brackets of metadata stand together, as '[['");
   const TokenKind close = isInBraces ? TokenKind::rightBrace : TokenKind::rightBracket;
   next();
   if (strict_ && at(close)) failExpected("the type of a metadata entry", "");

@@ -351,6 +351,7 @@ int Parser::arguments(std::vector<ExpressionPtr>& list, std::string_view of) {
     Parsed argument = assignment();
     depth = std::max(depth, argument.depth);
     list.push_back(std::move(argument.tree));
+    if (at(TokenKind::comma) && at(TokenKind::rightParen, 1)) refuseHere("a ',' ends the arguments");
   } while (accept(TokenKind::comma) && !at(TokenKind::rightParen));
   if (!at(TokenKind::rightParen)) failExpected("',' or ')'", fmt::format("in the arguments of {}", of));
   next();
@@ -367,6 +368,7 @@ Parser::Parsed Parser::initializerList() {
     Parsed element = assignment();
     depth = std::max(depth, element.depth);
     node.elements.push_back(std::move(element.tree));
+    if (at(TokenKind::comma) && at(TokenKind::rightBrace, 1)) refuseHere("a ',' ends the initialiser");
     if (!accept(TokenKind::comma)) break;
   }
   if (!at(TokenKind::rightBrace)) failExpected("',' or '}'", "in the initialiser");

@@ -57,6 +57,10 @@ class Parser {
   void error(Position position, std::string message, std::vector<std::string> notes = {});
   void report(Diagnostic diagnostic);
   void warning(Position position, std::string message);
+  /// Refuses what stands here where other compilers do.
+  void refuseHere(const std::string& what) {
+    if (strict_ && !map_.isInPrelude(peek().position)) error(peek().position, what + ": other compilers refuse it");
+  }
   void reportExpected(const std::string& what, std::string_view context, std::vector<std::string> notes = {});
   [[noreturn]] void failExpected(const std::string& what, std::string_view context,
                                  std::vector<std::string> notes = {});

@@ -43,9 +43,11 @@ StatementPtr Parser::statement() {
       error(position, "expected a statement, found 'else' without an 'if'");
       throw Failure();
     case TokenKind::kwStruct:
+      refuseHere("a structure stands within a function or shader");
       return makeStatement(position, LocalStruct{localStruct()});
     case TokenKind::kwPublic:
-      warning(position, "'public' has no effect");
+      refuseHere("'public' has no effect");
+      if (!strict_) warning(position, "'public' has no effect");
       next();
       return declarationStatement();
     default:

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/lang/overload.h"
+
 namespace aerosol::lang {
 
 namespace {
@@ -46,6 +48,11 @@ auto findName(const Table& table, std::string_view name) -> decltype(table.data(
 }
 
 }  // namespace
+
+bool TextureOption::takes(const Type& given) const {
+  if (isOutput()) return given == type;
+  return isAssignable(type, given) || (kind == TextureOptionKind::subimage && given == types::string);
+}
 
 std::span<const TextureOption> textureOptions() { return optionTable; }
 

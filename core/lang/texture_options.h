@@ -34,6 +34,8 @@ struct TextureOption {
 
   /// The value is a variable that the function writes.
   bool isOutput() const { return kind == TextureOptionKind::alpha || kind == TextureOptionKind::errorMessage; }
+  /// A value of another type is as good as an unknown option.
+  bool takes(const Type& given) const;
 };
 
 std::span<const TextureOption> textureOptions();

@@ -1,5 +1,7 @@
 #include "core/scene/xml_dictionary.h"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <mutex>
 #include <pugixml.hpp>
@@ -19,24 +21,27 @@ constexpr std::size_t maximumDocuments = 1000, maximumNodes = 1000000;
 struct Matches {
   std::vector<pugi::xml_node> nodes;
   std::uint64_t key = 0;  ///< What was asked, as a hash.
+  std::string problem;    ///< What is wrong with the query.
 };
 
 class XmlDictionaries final : public DictionarySource {
  public:
   explicit XmlDictionaries(std::vector<fs::path> searchPath) : searchPath_(std::move(searchPath)) {}
 
-  std::int32_t find(std::string_view dictionary, std::string_view query) override {
+  std::int32_t find(std::string_view dictionary, std::string_view query, std::string& problem) override {
     const std::lock_guard lock(mutex_);
-    const pugi::xml_document* document = open(dictionary);
-    return document ? find(*document, hashString(dictionary), query) : -1;
+    const Document* document = open(dictionary);
+    if (!document) return -1;
+    problem = document->problem;
+    return problem.empty() ? find(document->content, hashString(dictionary), query, problem) : -1;
   }
 
-  std::int32_t find(std::int32_t node, std::string_view query) override {
+  std::int32_t find(std::int32_t node, std::string_view query, std::string& problem) override {
     const std::lock_guard lock(mutex_);
     const auto found = places_.find(node);
     if (found == places_.end()) return 0;
     const Place place = found->second;
-    return find(place.matches->nodes[place.index], keyOf(place), query);
+    return find(place.matches->nodes[place.index], keyOf(place), query, problem);
   }
 
   std::int32_t next(std::int32_t node) override {
@@ -56,6 +61,10 @@ class XmlDictionaries final : public DictionarySource {
   }
 
  private:
+  struct Document {
+    pugi::xml_document content;
+    std::string problem;  ///< Why it cannot be read.
+  };
   struct Place {
     const Matches* matches = nullptr;
     std::size_t index = 0;
@@ -67,18 +76,20 @@ class XmlDictionaries final : public DictionarySource {
   }
   static std::uint64_t keyOf(const Place& place) { return combine(place.matches->key, place.index); }
 
-  /// Null when it is no XML. What begins with a tag is the text itself.
-  const pugi::xml_document* open(std::string_view dictionary) {
+  /// Null when there are too many. What begins with a tag, or is empty, is the text itself.
+  const Document* open(std::string_view dictionary) {
     if (documents_.size() >= maximumDocuments && !documents_.contains(dictionary)) return nullptr;
     const auto [entry, isNew] = documents_.try_emplace(std::string(dictionary));
     if (!isNew) return entry->second.get();
-    auto document = std::make_unique<pugi::xml_document>();
+    entry->second = std::make_unique<Document>();
+    Document& document = *entry->second;
     const std::size_t first = dictionary.find_first_not_of(" \t\r\n");
-    const bool isText = first != std::string_view::npos && dictionary[first] == '<';
-    const pugi::xml_parse_result result = isText ? document->load_buffer(dictionary.data(), dictionary.size())
-                                                 : document->load_file(locate(dictionary).c_str());
-    if (result) entry->second = std::move(document);
-    return entry->second.get();
+    const bool isText = first == std::string_view::npos || dictionary[first] == '<';
+    const pugi::xml_parse_result result = isText ? document.content.load_buffer(dictionary.data(), dictionary.size())
+                                                 : document.content.load_file(locate(dictionary).c_str());
+    if (!result)
+      document.problem = fmt::format("XML parsed with errors: {}, at offset {}", result.description(), result.offset);
+    return &document;
   }
 
   fs::path locate(std::string_view name) const {
@@ -90,28 +101,27 @@ class XmlDictionaries final : public DictionarySource {
     return path;
   }
 
-  std::int32_t find(const pugi::xml_node& from, std::uint64_t fromKey, std::string_view query) {
+  std::int32_t find(const pugi::xml_node& from, std::uint64_t fromKey, std::string_view query, std::string& problem) {
     const std::uint64_t key = combine(fromKey, hashString(query));
     if (matches_.size() >= maximumNodes && !matches_.contains(key)) return 0;
     const auto [entry, isNew] = matches_.try_emplace(key);
     if (isNew) {
       entry->second.key = key;
-      if (places_.size() < maximumNodes) entry->second.nodes = select(from, query);
+      if (places_.size() < maximumNodes) select(from, query, entry->second);
     }
+    problem = entry->second.problem;
     return numberOf({&entry->second, 0});
   }
 
-  static std::vector<pugi::xml_node> select(const pugi::xml_node& from, std::string_view query) {
-    std::vector<pugi::xml_node> nodes;
+  static void select(const pugi::xml_node& from, std::string_view query, Matches& matches) {
     try {
       pugi::xpath_node_set found = from.select_nodes(std::string(query).c_str());
       found.sort();
       for (const pugi::xpath_node& node : found)
-        if (node.node()) nodes.push_back(node.node());
-    } catch (const pugi::xpath_exception&) {
-      // A malformed query matches nothing.
+        if (node.node()) matches.nodes.push_back(node.node());
+    } catch (const pugi::xpath_exception& problem) {  // Such a query matches nothing.
+      matches.problem = fmt::format("Invalid dict_find query '{}': {}", query, problem.what());
     }
-    return nodes;
   }
 
   /// From the node's key, so that it does not depend on who asks first; the next free number where keys collide.
@@ -128,7 +138,7 @@ class XmlDictionaries final : public DictionarySource {
 
   std::vector<fs::path> searchPath_;
   std::mutex mutex_;
-  std::map<std::string, std::unique_ptr<pugi::xml_document>, std::less<>> documents_;
+  std::map<std::string, std::unique_ptr<Document>, std::less<>> documents_;
   std::map<std::uint64_t, Matches> matches_;  ///< By their keys; addresses are stable.
   std::map<std::int32_t, Place> places_;      ///< By number.
 };

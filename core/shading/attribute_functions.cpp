@@ -1,5 +1,7 @@
 #include "core/shading/attribute_functions.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -180,7 +182,8 @@ void colorsFunction(PointCall& call) {
     if (transform) {
       transform->apply(color.data(), 1);
     } else {
-      call.report(lane, problem);
+      call.report(lane, fmt::format("Unknown color space transformation \"{}\" -> \"{}\": {}", call.text(0, lane),
+                                    call.text(1, lane), problem));
     }
     for (std::size_t c = 0; c < 3; ++c) call.set(result, lane, color[c], c);
   });

@@ -11,8 +11,8 @@ namespace {
 constexpr std::size_t result = lang::HostCall::result;
 constexpr std::string_view separators = " \t\r\n,";
 
-/// As many numbers as are wanted, separated by blanks and commas; what follows is not looked at. Nothing when there are
-/// fewer.
+/// As many numbers as are wanted, separated by blanks and commas; what follows is not looked at. Where there are fewer
+/// the last one stands for the rest; nothing when there is none.
 template <class Number>
 std::optional<std::vector<Number>> parseNumbers(std::string_view text, std::size_t count) {
   std::vector<Number> numbers;
@@ -21,7 +21,10 @@ std::optional<std::vector<Number>> parseNumbers(std::string_view text, std::size
     if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
     Number number{};
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (problem != std::errc()) return std::nullopt;
+    if (problem != std::errc()) {
+      if (numbers.empty()) return std::nullopt;
+      number = numbers.back();
+    }
     numbers.push_back(number);
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   }
@@ -51,10 +54,12 @@ void dictionaryFindFunction(PointCall& call) {
   const bool fromNode = call.type(0) == lang::types::integer;
   call.forEachLane([&](unsigned lane) {
     std::int32_t node = fromNode ? 0 : -1;
+    std::string problem;
     if (source) {
-      node = fromNode ? source->find(call.integer(0, lane), call.text(1, lane))
-                      : source->find(call.text(0, lane), call.text(1, lane));
+      node = fromNode ? source->find(call.integer(0, lane), call.text(1, lane), problem)
+                      : source->find(call.text(0, lane), call.text(1, lane), problem);
     }
+    if (!problem.empty()) call.report(lane, problem);
     call.set(result, lane, node);
   });
 }

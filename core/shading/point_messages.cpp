@@ -1,6 +1,9 @@
 #include "core/shading/point_messages.h"
 
+#include <fmt/format.h>
+
 #include <bit>
+#include <string>
 
 #include "core/base/hash.h"
 #include "core/shading/trace_function.h"
@@ -11,9 +14,29 @@ namespace {
 
 constexpr std::size_t result = lang::HostCall::result;
 
-/// Triples of all kinds are one.
-bool sameType(const lang::Type& a, const lang::Type& b) {
-  return a == b || (a.element().isTriple() && b.element().isTriple() && a.arrayLength == b.arrayLength);
+/// A message's name as users write it. Closures are messages under names of their own, kept as ints.
+std::string_view shownName(std::string_view name) {
+  if (name.starts_with(lang::closureMessagePrefix)) name.remove_prefix(lang::closureMessagePrefix.size());
+  return name;
+}
+
+bool isClosureName(std::string_view name) { return name.starts_with(lang::closureMessagePrefix); }
+
+lang::Type shownType(std::string_view name, const lang::Type& type) {
+  return isClosureName(name) ? lang::types::closure : type;
+}
+
+/// What a value of another kind goes by under the same name.
+std::string otherName(std::string_view name) {
+  return isClosureName(name) ? std::string(shownName(name)) : std::string(lang::closureMessagePrefix).append(name);
+}
+
+std::string place(const SourceLocation& location) { return fmt::format("{}:{}", location.file, location.line); }
+
+void reportMismatch(PointCall& call, unsigned lane, std::string_view name, const lang::Type& created,
+                    const lang::Type& wanted, const SourceLocation& origin) {
+  call.report(lane, fmt::format("type mismatch for message \"{}\" (created as {} here: {}) cannot fetch as {}",
+                                shownName(name), lang::toString(created), place(origin), lang::toString(wanted)));
 }
 
 std::uint64_t bitsOf(const PointCall& call, std::size_t argument, unsigned lane, std::size_t component) {
@@ -51,14 +74,19 @@ void setMessageFunction(PointCall& call) {
     const std::uint64_t name = call.hash(0, lane);
     PointMessages& messages = call.host().messages();
     const std::size_t count = call.componentCount(1);
-    if (!messages.find(point, name)) {
-      const RuntimeStrings::Room room = call.host().strings().charge(point, count * sizeof(std::uint64_t));
-      if (room == RuntimeStrings::Room::usedUp) call.report(lane, "messages take too much room: no more are kept");
-      if (room != RuntimeStrings::Room::enough) return;
+    const std::string_view text = call.text(0, lane);
+    const PointMessages::Message* known = messages.find(point, name);
+    if (!known) known = messages.find(point, hashString(otherName(text)));
+    if (known) {
+      return call.report(lane, fmt::format("message \"{}\" already exists (created here: {}) cannot set again",
+                                           shownName(text), place(*known->origin)));
     }
+    const RuntimeStrings::Room room = call.host().strings().charge(point, count * sizeof(std::uint64_t));
+    if (room == RuntimeStrings::Room::usedUp) call.report(lane, "messages take too much room: no more are kept");
+    if (room != RuntimeStrings::Room::enough) return;
     PointMessages::Message& message = messages.set(point, name);
     message.type = call.type(1);
-    message.values.clear();
+    message.origin = &call.site().location;
     for (std::size_t i = 0; i < count; ++i) message.values.push_back(bitsOf(call, 1, lane, i));
   });
 }
@@ -70,9 +98,19 @@ void getMessageFunction(PointCall& call) {
     const bool hasSource = target == 2 && call.hash(0, lane) != 0;
     if (hasSource && call.hash(0, lane) == trace)
       return call.set(result, lane, std::int32_t{getTraceMessage(call, target, lane, call.hash(1, lane))});
+    const PointMessages& messages = call.host().messages();
     const PointMessages::Message* message =
-        hasSource ? nullptr : call.host().messages().find(call.point(lane), call.hash(target - 1, lane));
-    const bool found = message && sameType(message->type, call.type(target));
+        hasSource ? nullptr : messages.find(call.point(lane), call.hash(target - 1, lane));
+    const bool found = message && message->type == call.type(target);
+    if (!found && !hasSource) {
+      const std::string_view name = call.text(target - 1, lane);
+      const std::string other = message ? std::string(name) : otherName(name);
+      const PointMessages::Message* unfit = message ? message : messages.find(call.point(lane), hashString(other));
+      if (unfit) {
+        reportMismatch(call, lane, name, shownType(other, unfit->type), shownType(name, call.type(target)),
+                       *unfit->origin);
+      }
+    }
     for (std::size_t i = 0; found && i < message->values.size(); ++i)
       setBits(call, target, lane, i, message->values[i]);
     call.set(result, lane, std::int32_t{found});

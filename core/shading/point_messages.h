@@ -16,6 +16,7 @@ class PointMessages {
   struct Message {
     lang::Type type;
     std::vector<std::uint64_t> values;
+    const SourceLocation* origin = nullptr;  ///< Where it was set.
   };
 
   void clear() { messages_.clear(); }
@@ -27,7 +28,9 @@ class PointMessages {
   std::map<std::pair<std::uint32_t, std::uint64_t>, Message> messages_;
 };
 
-void setMessageFunction(PointCall& call);  ///< void (string, any)
-void getMessageFunction(PointCall& call);  ///< int ([string source,] string, output any)
+/// void (string, any): what was set first stays, and a second value is an error.
+void setMessageFunction(PointCall& call);
+/// int ([string source,] string, output any): that a message is of another type is an error.
+void getMessageFunction(PointCall& call);
 
 }  // namespace aerosol::shading

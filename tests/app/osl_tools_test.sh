@@ -200,6 +200,86 @@ expect 1 shade foreign
 said err "compiled for another renderer"
 mv folder/* .
 
+echo "-- values and calls that do not fit"
+cat >lengths.osl <<'OSL'
+shader lengths(float a[] = {1, 2}, color c[] = {color(1)}, string s[] = {"x"}) {
+  printf("%d %d %d: %g %g %s\n", arraylength(a), arraylength(c), arraylength(s), a[arraylength(a) - 1], c[0],
+         s[arraylength(s) - 1]);
+}
+OSL
+shows 0 oslc -q lengths.osl </dev/null
+shows 0 testshade '--param:type=float[]' a '5 6 7' '--param:type=color[]' c 1,2,3,4,5,6 \
+  '--param:type=string[]' s p,q lengths <<'OUT'
+3 2 2: 7 1 2 3 q
+
+OUT
+shows 0 testshade --param a 5 lengths <<'OUT'
+WARNING: attempting to set parameter with wrong type: a (expected 'float[]', received 'int')
+2 1 1: 2 1 1 1 x
+
+OUT
+cat >misfits.osl <<'OSL'
+shader misfits(output float r = 0) {
+  printf("begin\n");
+  r = noise("perlim", u) + noise("gabor", P, "anisotropic", 1.5) + noise("perlin", u, "other", 1);
+  r = texture("nothing.exr", u, v, "blurr", 1, "blur", "much");
+  setmessage("m", 1);
+  setmessage("m", 2);
+  int whole = 0;
+  float part = 0;
+  printf("%d %d %d\n", getmessage("m", whole), getmessage("m", part), whole);
+  setmessage("c", diffuse(N));
+  setmessage("c", 1);
+  closure color c = 0;
+  printf("%d %d %s\n", getmessage("c", c), getmessage("c", part), c);
+  printf("%d %d\n", dict_find("<a></b>", "a"), dict_find("<a/>", "a["));
+  printf("%g\n", transformc("nowhere", "rgb", color(1)));
+}
+OSL
+shows 0 oslc -q misfits.osl </dev/null
+shows 0 testshade -o r null misfits <<'OUT'
+
+ERROR: noise type "perlim" is unknown, called from (misfits.osl:3)
+ERROR: Unknown noise optional argument: "anisotropic", <float> (misfits.osl:3)
+ERROR: Unknown texture optional argument: "blurr", <int> (misfits.osl:4)
+ERROR: Unknown texture optional argument: "blur", <string> (misfits.osl:4)
+begin
+ERROR: [RendererServices::texture] Invalid image file "nothing.exr": Could not open file "nothing.exr"
+ERROR: message "m" already exists (created here: misfits.osl:5) cannot set again from misfits.osl:6
+ERROR: type mismatch for message "m" (created as int here: misfits.osl:5) cannot fetch as float from misfits.osl:9
+1 0 1
+ERROR: message "c" already exists (created here: misfits.osl:10) cannot set again from misfits.osl:11
+ERROR: type mismatch for message "c" (created as closure color here: misfits.osl:10) cannot fetch as float from misfits.osl:13
+1 0 (1, 1, 1) * diffuse ((0, 0, 1), "label", "")
+ERROR: XML parsed with errors: Start-end tags mismatch, at offset 5
+ERROR: Invalid dict_find query 'a[': Unrecognized node test
+-1 0
+ERROR: Unknown color space transformation "nowhere" -> "rgb"
+1 1 1
+
+OUT
+# refused 'SOURCE': as oslc, with an error in its line; the compiler that is no oslc takes it.
+refused() {
+  printf '%s\n' "$1" >refused.osl
+  "$work/oslc" refused.osl >out 2>&1 && fail "oslc takes $1"
+  said out "refused.osl:1: error"
+  expect 0 compile --no-cache -o refused.oso refused.osl
+}
+refused 'float f(float x) { return x; }; shader refused(output float r = 0) { r = f(1); }'
+refused 'shader refused(output float r = 0) { struct A { float x; }; A a; a.x = 1; r = a.x; }'
+refused 'light refused(output float r = 0) { r = 1; }'
+refused 'shader refused(output float r = 0 [ [ string help = "a" ] ]) { r = 1; }'
+refused 'shader refused(float a[2] = {1, 2,}, output float r = 0) { r = a[1]; }'
+refused 'shader refused(output float r = 0) { r = max(1, 2,); }'
+refused 'surface refused() { closure color a = diffuse(N); Ci = u > 0 ? a : 0; }'
+refused 'void f(output int x) { x = 2; } shader refused(output float r = 0) { f(1); r = 1; }'
+echo 'void f(output int x) { x = 2; } shader taken(output int r = 0) { r = 5; f(r + 1); printf("%d\n", r); }' >taken.osl
+shows 0 oslc -q taken.osl </dev/null
+shows 0 testshade taken <<'OUT'
+5
+
+OUT
+
 echo "-- oslinfo"
 shows 0 oslinfo many <<'OUT'
 surface "many"

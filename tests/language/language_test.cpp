@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <random>
 
 #include "core/base/hash.h"
@@ -201,6 +202,14 @@ std::map<std::string, Read> readOutputs(const lang::Program& program, const Kern
   return result;
 }
 
+/// Places in a text without the folder of the test's file.
+std::string withoutFolder(std::string text, const std::filesystem::path& file) {
+  const std::string folder = file.parent_path().string() + "/";
+  for (std::size_t at = text.find(folder); at != std::string::npos; at = text.find(folder))
+    text.erase(at, folder.size());
+  return text;
+}
+
 /// A record as the tests write it: "print: text", "index: i n".
 std::string messageOf(const KernelInterface& interface, const Answers& answers, const Record& record) {
   const auto asInt = [&](std::size_t i) {
@@ -370,7 +379,7 @@ TEST_P(Language, GivesWhatItsCommentsSayAtEveryWidth) {
         for (const LanguageExpectation& expectation : point.expectations) expectValue(expectation, outputs);
         std::vector<std::string> messages;
         for (const Record& record : outcome.recordsOf(at))
-          messages.push_back(messageOf(code.interface(), answers_, record));
+          messages.push_back(withoutFolder(messageOf(code.interface(), answers_, record), GetParam()));
         EXPECT_EQ(messages, point.messages);
         if (HasFailure()) return;
       }

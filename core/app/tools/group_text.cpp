@@ -113,20 +113,12 @@ class GroupParser {
     if (accept("shader")) return shader();
     if (accept("connect")) return connection();
     // The type of a parameter may stand by itself.
-    if (typeOf(peek().text)) return parameter();
+    if (parseType(peek().text)) return parameter();
     fail(fmt::format("unknown statement '{}': known are param, shader, connect", peek().text));
   }
 
-  /// As parseType, and arrays of open length.
-  static std::optional<lang::Type> typeOf(const std::string& text) {
-    if (!text.ends_with("[]")) return parseType(text);
-    auto type = parseType(text.substr(0, text.size() - 2));
-    if (type) type->arrayLength = lang::Type::unsized;
-    return type;
-  }
-
   void parameter() {
-    auto type = typeOf(peek().text);
+    const auto type = parseType(peek().text);
     if (!type) return fail(fmt::format("'{}' is not a type", peek().text));
     ++at_;
     NamedValue given;
@@ -134,10 +126,6 @@ class GroupParser {
     std::vector<std::string> values;
     while (!atEnd() && !isSign(";") && !isSign("[[")) {
       if (!accept(",")) values.push_back(words_[at_++].text);
-    }
-    if (type->arrayLength == lang::Type::unsized) {
-      const std::size_t size = type->base == lang::BaseType::matrix ? 16 : type->element().isTriple() ? 3 : 1;
-      type->arrayLength = static_cast<int>(std::max<std::size_t>(1, values.size() / size));
     }
     auto value = makeValue(*type, values);
     if (!value) return fail(fmt::format("these are not values of type {}", lang::toString(*type)));
@@ -147,9 +135,10 @@ class GroupParser {
     end();
   }
 
-  static std::optional<TypedValue> makeValue(const lang::Type& type, std::vector<std::string> values) {
+  static std::optional<TypedValue> makeValue(lang::Type type, std::vector<std::string> values) {
     if (type.base != lang::BaseType::string)
       return parseValue(type, values.empty() ? "0" : fmt::format("{}", fmt::join(values, ",")));
+    if (type.arrayLength == lang::Type::unsized) type.arrayLength = std::max(1, static_cast<int>(values.size()));
     values.resize(type.isArray() ? static_cast<std::size_t>(type.arrayLength) : 1);
     return TypedValue{type, std::move(values)};
   }

@@ -143,6 +143,7 @@ void ShadeRun::announce() const {
     console_.print(fmt::format("Connect {}.{} to {}.{}\n", c.fromLayer, c.fromOutput, c.toLayer, c.toInput));
   describeGroup();
   if (!arguments_.outputs.empty()) console_.print("\n");
+  printRemarks(group_->remarks, console_);
   if (arguments_.entryLayers.empty()) return;
   console_.print("Entry layers:");
   for (const std::string& entry : arguments_.entryLayers) {

@@ -42,6 +42,8 @@ Result<GroupText> requested(const ShadeArguments& arguments) {
 /// Compiles each shader once.
 class Compiler {
  public:
+  Diagnostics remarks;  ///< Of all shaders that were compiled.
+
   Compiler(const std::vector<fs::path>& folders, const lang::CompileOptions& options)
       : folders_{""}, options_(options) {
     folders_.insert(folders_.end(), folders.begin(), folders.end());
@@ -56,6 +58,7 @@ class Compiler {
                                              : lang::compileString(layer.expression, layer.shader, options_, lengths);
       if (!source) return source.errors();
       warnings.append(source->warnings);
+      remarks.append(source->remarks);
       known = source->layer;
     }
     std::shared_ptr<const lang::Program> program = known;
@@ -164,6 +167,7 @@ Result<ShadeGroup> buildShadeGroup(const ShadeArguments& arguments, const std::v
   });
   if (misfits.hasErrors()) return misfits;
   for (std::size_t i = 0; i < group.layers.size(); ++i) group.layers[i].program = described.layers[i].program;
+  group.remarks = std::move(compiler.remarks);
   const auto resolved = lang::resolve(described, groupOptions);
   if (!resolved) return resolved.errors();
   group.warnings.append(resolved->warnings);

@@ -26,6 +26,7 @@ struct ShadeGroup {
   std::shared_ptr<const lang::Program> program;  ///< All layers; parameters are `layer.parameter`.
   std::vector<shading::ParameterValue> values;
   Diagnostics warnings;
+  Diagnostics remarks;  ///< What OSL says when it makes code of the shaders.
 
   /// "layer.variable" for an output of that name, or of the last layer that has it where `variable` names no layer.
   std::optional<std::string> findOutput(std::string_view variable) const;

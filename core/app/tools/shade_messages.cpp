@@ -11,6 +11,22 @@ namespace aerosol::app {
 
 namespace {
 
+/// What a host function reports, "function: text", as OSL words it.
+std::string hostText(const ShadedMessage& message) {
+  const std::size_t colon = message.text.find(": ");
+  const std::string function = message.text.substr(0, colon);
+  std::string text = colon == std::string::npos ? message.text : message.text.substr(colon + 2);
+  const auto place = [&] { return fmt::format("{}:{}", message.location.file, message.location.line); };
+  if (function == "setmessage" || function == "getmessage") return fmt::format("{} from {}", text, place());
+  if (function == "dict_find") return text;
+  if (function == "colors") return text.substr(0, text.find("\": ") + 1);  // Without the spaces that there are.
+  if (function == "texture" || function == "texture3d" || function == "environment") {
+    const std::size_t reason = text.find("Invalid image file");
+    return fmt::format("[RendererServices::{}] {}", function, reason == std::string::npos ? text : text.substr(reason));
+  }
+  return message.text;
+}
+
 std::string textOf(const ShadedMessage& message, const ShadeGroup& group) {
   const std::size_t number = group.layerAt(message.location);
   const ShadeGroup::Layer& layer = group.layers[number];
@@ -31,13 +47,22 @@ std::string textOf(const ShadedMessage& message, const ShadeGroup& group) {
     case AEROSOL_REPORT_SPACE:
       return fmt::format("ERROR: Unknown transformation \"{}\"", message.text);
     case AEROSOL_REPORT_HOST:
-      return fmt::format("ERROR: {}", message.text);
+      return fmt::format("ERROR: {}", hostText(message));
     default:
       return fmt::format("ERROR: {}: {}:{}", message.text, message.location.file, message.location.line);
   }
 }
 
 }  // namespace
+
+void printRemarks(const Diagnostics& remarks, const Console& console) {
+  std::set<std::string> said;
+  std::fflush(console.out);
+  for (const Diagnostic& each : remarks.entries()) {
+    const std::string text = fmt::format("ERROR: {} ({}:{})\n", each.message, each.location.file, each.location.line);
+    if (said.insert(text).second) console.note(text);
+  }
+}
 
 Diagnostics printShadedMessages(const std::vector<ShadedMessage>& messages, const ShadeGroup& group,
                                 const Console& console) {

@@ -14,4 +14,7 @@ namespace aerosol::app {
 Diagnostics printShadedMessages(const std::vector<ShadedMessage>& messages, const ShadeGroup& group,
                                 const Console& console);
 
+/// Errors in calls that OSL reports before the group runs, each with its place, once.
+void printRemarks(const Diagnostics& remarks, const Console& console);
+
 }  // namespace aerosol::app

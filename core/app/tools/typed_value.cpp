@@ -40,9 +40,24 @@ std::vector<std::string_view> splitAtCommas(std::string_view text) {
   return parts;
 }
 
-std::optional<std::vector<float>> floatsOf(std::string_view text) {
+/// Numbers of a known type may also stand between blanks.
+std::vector<std::string_view> splitNumbers(std::string_view text) {
+  constexpr std::string_view blanks = " \t\n";
+  std::vector<std::string_view> parts;
+  for (std::string_view part : splitAtCommas(text)) {
+    part = scene::trim(part);
+    for (std::size_t end = part.find_first_of(blanks); end != part.npos; end = part.find_first_of(blanks)) {
+      parts.push_back(part.substr(0, end));
+      part = scene::trim(part.substr(end));
+    }
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+std::optional<std::vector<float>> floatsOf(const std::vector<std::string_view>& parts) {
   std::vector<float> values;
-  for (const std::string_view part : splitAtCommas(text)) {
+  for (const std::string_view part : parts) {
     const auto value = wholeFloat(part);
     if (!value) return {};
     values.push_back(*value);
@@ -52,6 +67,13 @@ std::optional<std::vector<float>> floatsOf(std::string_view text) {
 
 std::size_t componentsOf(const Type& type) {
   return type.base == BaseType::matrix ? 16 : type.element().isTriple() ? 3 : 1;
+}
+
+/// With a length, where the type is an array without one: that of so many values.
+Type withLength(const Type& type, std::size_t values) {
+  if (type.arrayLength != Type::unsized) return type;
+  const std::size_t each = componentsOf(type);
+  return type.element().arrayOf(static_cast<int>((values + each - 1) / each));
 }
 
 std::size_t elementsOf(const Type& type) { return type.isArray() ? static_cast<std::size_t>(type.arrayLength) : 1; }
@@ -72,6 +94,7 @@ std::optional<Type> parseType(std::string_view text) {
     if (text.substr(0, bracket) != name) continue;
     if (bracket == std::string_view::npos) return Type{base};
     if (text.back() != ']') return {};
+    if (text.ends_with("[]")) return Type{base}.arrayOf(Type::unsized);
     const auto length = wholeInteger(text.substr(bracket + 1, text.size() - bracket - 2));
     if (!length || *length < 1) return {};
     return Type{base}.arrayOf(*length);
@@ -80,7 +103,7 @@ std::optional<Type> parseType(std::string_view text) {
 }
 
 TypedValue inferValue(const std::string& text) {
-  if (auto floats = floatsOf(text)) {
+  if (auto floats = floatsOf(splitAtCommas(text))) {
     if (floats->size() == 16) return {lang::types::matrix, std::move(*floats)};
     if (floats->size() == 3) return {lang::types::vector, std::move(*floats)};
   }
@@ -89,12 +112,14 @@ TypedValue inferValue(const std::string& text) {
   return {lang::types::string, std::vector<std::string>{text}};
 }
 
-std::optional<TypedValue> parseValue(const Type& type, const std::string& text) {
-  if (type == lang::types::string) return TypedValue{type, std::vector<std::string>{text}};
-  const std::vector<std::string_view> parts = splitAtCommas(text);
+std::optional<TypedValue> parseValue(const Type& wanted, const std::string& text) {
+  if (wanted == lang::types::string) return TypedValue{wanted, std::vector<std::string>{text}};
+  const bool isText = wanted.base == BaseType::string;
+  const std::vector<std::string_view> parts = isText ? splitAtCommas(text) : splitNumbers(text);
+  const Type type = withLength(wanted, parts.size());
   const std::size_t count = componentsOf(type) * elementsOf(type);
   if (parts.size() > count) return {};
-  if (type.base == BaseType::string) {
+  if (isText) {
     std::vector<std::string> texts(parts.begin(), parts.end());
     texts.resize(count);
     return TypedValue{type, std::move(texts)};
@@ -102,14 +127,14 @@ std::optional<TypedValue> parseValue(const Type& type, const std::string& text) 
   if (type.base == BaseType::integer) {
     std::vector<std::int32_t> values;
     for (const std::string_view part : parts) {
-      const auto value = wholeInteger(scene::trim(part));
+      const auto value = wholeInteger(part);
       if (!value) return {};
       values.push_back(*value);
     }
     values.resize(count);
     return TypedValue{type, std::move(values)};
   }
-  auto values = floatsOf(text);
+  auto values = floatsOf(parts);
   if (!values) return {};
   values->resize(count);
   return TypedValue{type, std::move(*values)};

@@ -25,7 +25,8 @@ TEST(TypedValue, TypesFollowTheText) {
 TEST(TypedValue, TypesByName) {
   EXPECT_EQ(parseType("color"), types::color);
   EXPECT_EQ(parseType("float[3]"), types::floating.arrayOf(3));
-  for (const char* text : {"", "flot", "float[", "float[]", "float[0]", "float[x]", "float[3"})
+  EXPECT_EQ(parseType("color[]"), types::color.arrayOf(Type::unsized));
+  for (const char* text : {"", "flot", "float[", "[]", "float[0]", "float[x]", "float[3"})
     EXPECT_FALSE(parseType(text)) << text;
 }
 
@@ -34,9 +35,19 @@ TEST(TypedValue, GivenTypesReadListsAndFillUpWithZeros) {
   EXPECT_EQ(std::get<Ints>(parseValue(types::integer.arrayOf(2), "7, 8")->value), (Ints{7, 8}));
   EXPECT_EQ(std::get<Texts>(parseValue(types::string, "1,2")->value), Texts{"1,2"});
   EXPECT_EQ(std::get<Texts>(parseValue(types::string.arrayOf(2), "a,b")->value), (Texts{"a", "b"}));
+  EXPECT_EQ(std::get<Floats>(parseValue(types::floating.arrayOf(3), " 1 2, 3 ")->value), (Floats{1, 2, 3}));
   EXPECT_FALSE(parseValue(types::integer, "1.5"));
   EXPECT_FALSE(parseValue(types::color, "1,2,3,4"));
   EXPECT_FALSE(parseValue(types::floating, "a"));
+}
+
+TEST(TypedValue, ArraysWithoutALengthAreAsLongAsTheirValues) {
+  const auto floats = parseValue(types::floating.arrayOf(Type::unsized), "1,2,3,4");
+  EXPECT_EQ(floats->type, types::floating.arrayOf(4));
+  EXPECT_EQ(std::get<Floats>(floats->value), (Floats{1, 2, 3, 4}));
+  EXPECT_EQ(parseValue(types::color.arrayOf(Type::unsized), "1 2 3 4 5 6")->type, types::color.arrayOf(2));
+  EXPECT_EQ(parseValue(types::color.arrayOf(Type::unsized), "1,2,3,4")->type, types::color.arrayOf(2));
+  EXPECT_EQ(std::get<Texts>(parseValue(types::string.arrayOf(Type::unsized), "a,b,c")->value), (Texts{"a", "b", "c"}));
 }
 
 TEST(TypedValue, BindsWhatFits) {
