@@ -329,7 +329,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   if (path.record && !closures.mix().isPassing())
     seeSurface(path, closures.mix(), hit, seenDistance(state, hit.point), state.throughput);
   radiance.alpha = std::max(radiance.alpha, 1 - std::clamp(average(closures.mix().holdout()), 0.0f, 1.0f));
-  const bool isHidden = scene.path.hideEmitters && state.length == 1;
+  const bool isHidden = scene.path.hideEmitters && state.rayTypes == shading::ray::camera;
   if (object.light && !isHidden && !isShaded(path, state, hit.t)) {
     Color emitted = metLight(scene, *object.light, hit, state.ray, state.direction);
     if (scene.isTextured(*object.light)) {

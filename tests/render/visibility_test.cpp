@@ -80,6 +80,27 @@ TEST(Visibility, TheCameraAloneMayNotSeeWhatCastsItsShadow) {
   }
 }
 
+/// Hidden emitters are see-through for the camera, also behind a mask, and light what they light.
+TEST(Visibility, HiddenEmittersShowWhatLiesBehindThem) {
+  constexpr const char* bowl = R"(<shape type="sphere"><point name="center" x="0" y="1.5" z="-1.8"/>
+      <float name="radius" value="0.5"/>{}<bsdf type="diffuse"/>
+      <emitter type="area"><rgb name="radiance" value="3"/></emitter></shape>)";
+  const std::string veil = R"(<shape type="rectangle"><transform name="to_world"><lookat origin="0, 4, -4.8"
+      target="0, 5, -6" up="0, 1, 0"/></transform><bsdf type="mask"><float name="opacity" value="0.3"/>
+      <bsdf type="diffuse"/></bsdf></shape>)";
+  const std::string hidden = R"(<integer name="max_depth" value="3"/><boolean name="hide_emitters" value="true"/>)";
+  const std::string shown = R"(<integer name="max_depth" value="3"/>)";
+  for (const std::string& before : {std::string(), veil}) {
+    const TestScene a = loadScene(hidden, sensor(), before + put(bowl) + groundOf("diffuse"));
+    const TestScene b = loadScene(
+        shown, sensor(), before + put(bowl, visible("shadow, diffuse, reflection, refraction")) + groundOf("diffuse"));
+    ASSERT_TRUE(a.scene() && b.scene());
+    EXPECT_TRUE(identical(*a.render(16), *b.render(16)));
+    EXPECT_FALSE(
+        identical(*a.render(16), *loadScene(shown, sensor(), before + put(bowl) + groundOf("diffuse")).render(16)));
+  }
+}
+
 TEST(Visibility, WhatCastsNoShadowTakesNoLightAway) {
   for (const std::string& light : {std::string(sky), put(lamp)}) {
     const std::string rest = light + groundOf("diffuse");
