@@ -317,6 +317,11 @@ std::vector<Field<Integrator>> pathFields() {
                   "in which media scatter"}),
       field<&Integrator::hideEmitters>(
           {.name = "hide_emitters", .doc = "the camera sees through shapes that shine, and no environment"}),
+      field<&Integrator::transparentShadows>(
+          {.name = "transparent_shadows",
+           .doc = "light of points and directions shines straight through masks, thin panes and the like; without it "
+                  "their shadows are black there. Larger lights are met through them in any case",
+           .defaultText = "true for volpath and volpathmis, else false"}),
       field<&Integrator::clampIndirect>(
           {.name = "clamp_indirect",
            .unit = "radiance",

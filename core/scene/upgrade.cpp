@@ -97,19 +97,22 @@ void rename(XmlElement& element, std::string_view from, const char* to) {
 }
 
 /// Media of voxels: their extinction had another name, how they were sampled was theirs to say, and voxels stood where
-/// their file says.
+/// their file says. Those that have the new name stay as they are.
 void upgradeMedium(XmlElement& medium) {
+  const bool isOld = std::any_of(medium.children.begin(), medium.children.end(),
+                                 [](XmlElement& child) { return hasValue(child, "name", "density"); });
+  if (!isOld) return;
   std::erase_if(medium.children, [](XmlElement& child) { return hasValue(child, "name", "method"); });
   for (XmlElement& child : medium.children) {
     rename(child, "density_multiplier", "scale");
     rename(child, "density", "sigma_t");
     if (child.tag != "volume" || !hasValue(child, "type", "gridvolume")) continue;
+    std::erase_if(child.children, [](XmlElement& each) { return hasValue(each, "name", "send_data"); });
     XmlElement box{.tag = "boolean", .attributes = {}, .children = {}};
     box.offset = child.offset;
     box.attributes.push_back({"name", "use_grid_bbox", child.offset, child.offset, false});
     box.attributes.push_back({"value", "true", child.offset, child.offset, false});
     child.children.push_back(std::move(box));
-    std::erase_if(child.children, [](XmlElement& each) { return hasValue(each, "name", "send_data"); });
   }
 }
 

@@ -300,7 +300,8 @@ bool isShaded(PathContext& path, const PathState& state, double end) {
   if (!path.scene().hidesSurfaces || state.direction.isDelta) return false;
   Ray<World> ray = state.ray;
   ray.tMax = static_cast<float>(end * (1 - 1e-5));
-  return path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel);
+  return path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel) ||
+         meetsWhatPassesPoints(path);
 }
 
 /// Emission and scattering at an opaque surface, unless a medium of higher priority hides it. `passed` becomes what was

@@ -16,11 +16,11 @@ std::string fileOf(const std::string& name, const std::string& points) {
 }
 
 TestScene fibreOf(const std::string& shape, int seed) {
-  return loadScene(R"(<integer name="max_depth" value="6"/>)",
+  return loadScene(R"(<integer name="max_depth" value="6"/><boolean name="transparent_shadows" value="true"/>)",
                    {.origin = "0, 0.3, 4", .fov = 16, .width = 24, .height = 12, .seed = seed},
                    R"(<emitter type="constant"><rgb name="radiance" value="0.3"/></emitter>
-      <shape type="sphere"><point name="center" value="-2, 2.4, 2.8"/><float name="radius" value="1.2"/>
-        <emitter type="area"><rgb name="radiance" value="4"/></emitter></shape>)" +
+      <emitter type="directional"><vector name="direction" value="0.5, -0.6, -0.7"/>
+        <rgb name="irradiance" value="2"/></emitter>)" +
                        shape + R"(<bsdf type="hair"><float name="eumelanin" value="0.3"/>
         <float name="scale_tilt" value="6"/></bsdf></shape>)");
 }

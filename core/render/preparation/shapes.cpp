@@ -209,7 +209,7 @@ void addShapes(Preparation& state) {
     decideVisibility(state, shape, object);
     auto id = addShape(state, i, object.isBoundary);
     if (!id) state.appendAt(shape.origin.location, id.errors());
-    const bool lets = object.passesShadows || !object.castsShadows;
+    const bool lets = object.passesShadows || object.passesPoints || !object.castsShadows;
     if (id && lets) state.builder.letShadowsPass(*id);
     const std::uint32_t visibleTo = visibilityOf(state, shape, object);
     if (id && visibleTo != scene::RayKind::all) state.builder.setVisibility(*id, visibleTo);
