@@ -160,7 +160,7 @@ volume::Task<Color> estimateDirectLight(PathContext& path, const DirectLight& li
   const Ray<World> ray = shadowRay(vertex, *light, time);
   if (path.scene().lightsMeetFaces && liesBehindFace(path, ray, *light)) co_return Color();
   const Color transmittance = co_await estimateTransmittance(path, ray, vertex.mediumTowards(light->direction),
-                                                             vertex.mediaTowards(light->direction));
+                                                             vertex.mediaTowards(light->direction), light->isDelta);
   if (path.record) path.record->noteLight(choice->index, light->direction, path.wentStraight);
   // Behind a surface that bends light, what a path meets is not counted.
   const float byDirection = light->isDelta || path.wentStraight ? 0.0f : vertex.pdf(light->direction);
@@ -193,7 +193,7 @@ volume::Task<Color> estimateChosenLight(PathContext& path, const MediumVertex& v
   const Ray<World> ray = shadowRay(vertex, *light, time);
   if (path.scene().lightsMeetFaces && liesBehindFace(path, ray, *light)) co_return Color();
   const Color transmittance = co_await estimateTransmittance(path, ray, vertex.mediumTowards(light->direction),
-                                                             vertex.mediaTowards(light->direction));
+                                                             vertex.mediaTowards(light->direction), light->isDelta);
   if (path.record) path.record->noteLight(choice.light.light, light->direction, path.wentStraight);
   const double byDirection =
       light->isDelta || path.wentStraight ? 0 : static_cast<double>(vertex.pdf(light->direction));

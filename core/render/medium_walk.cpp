@@ -335,10 +335,17 @@ Color collectSpans(PathContext& path, const Ray<World>& ray, const Medium* bound
 
 }  // namespace
 
+bool meetsWhatPassesPoints(const PathContext& path) {
+  return std::any_of(path.interfaces.begin(), path.interfaces.end(), [&](const accel::Interface& interface) {
+    return path.scene().objects[interface.key.object].passesPoints;
+  });
+}
+
 Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const Medium* boundaryMedium,
-                                  const volume::MediumStack& media) {
+                                  const volume::MediumStack& media, bool fromPoint) {
   path.wentStraight = false;
   if (path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel)) co_return Color();
+  if (path.scene().shadowsPass && !fromPoint && meetsWhatPassesPoints(path)) co_return Color();
   if (path.interfaces.empty() && meetsNothing(path, boundaryMedium)) co_return Color(1.0f);
   path.setRayBeside(ray);
   path.setRayTypes(shading::ray::shadow);

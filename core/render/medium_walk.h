@@ -39,10 +39,14 @@ volume::Task<volume::DistanceSample> sampleDistance(PathContext& path, Ray<World
 volume::DistanceSample sampleClosedForms(PathContext& path, Color throughput, volume::GivenDistance* given = nullptr,
                                          DistanceNumbers numbers = DistanceNumbers::hashed);
 
+/// Whether one of `path.interfaces` is `PreparedObject::passesPoints`.
+bool meetsWhatPassesPoints(const PathContext& path);
+
 /// What arrives of the light that enters at the ray's end: the product of all media's transmittances (no sorting, no
 /// splitting), zero behind an opaque surface. Estimated; may be negative where a bound is exceeded. Where media nest,
-/// `media` are those around the ray's origin.
+/// `media` are those around the ray's origin. `fromPoint`: no path can meet the light, which shines through
+/// `PreparedObject::passesPoints`; for others these are opaque here, and paths meet the light behind them.
 volume::Task<Color> estimateTransmittance(PathContext& path, Ray<World> ray, const volume::Medium* boundaryMedium,
-                                          const volume::MediumStack& media);
+                                          const volume::MediumStack& media, bool fromPoint);
 
 }  // namespace aerosol::render

@@ -44,6 +44,7 @@ struct PreparedObject {
   std::optional<int> priority;           ///< Of the interior, where no closure describes one.
   bool saysInside = false;               ///< A closure of its material describes the interior.
   bool passesShadows = false;            ///< Its material has an answer of its own for shadow rays.
+  bool passesPoints = false;             ///< Lights that are points or directions shine through it straight.
   bool facesViewer = false;              ///< Shaders are told normals towards the viewer.
   bool castsShadows = true;              ///< Otherwise shadow rays pass.
   bool stopsScattered = true;            ///< Rays that surfaces and media scatter meet it.

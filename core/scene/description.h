@@ -153,6 +153,8 @@ struct Integrator {
   int maxDepth = -1;  ///< Longest path: 1 shows emitters, 2 direct light …; -1 is unbounded.
   int rrDepth = 5;    ///< Path length from which Russian roulette is played, at least 1.
   bool hideEmitters = false;
+  bool transparentShadows =
+      false;                       ///< Points and directions shine through what lets part of their light pass straight.
   float clampIndirect = 0;         ///< Largest value of a path's light after its first scattering; 0: none.
   bool lowerPriorityWins = false;  ///< Of surface-defined media that overlap.
   DistanceSampling distance = DistanceSampling::automatic;                 ///< For media that do not choose.

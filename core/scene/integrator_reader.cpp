@@ -68,6 +68,7 @@ class IntegratorReader {
 
  private:
   void readPlain(const Element& element) {
+    innermost_.transparentShadows = element.type == "volpath" || element.type == "volpathmis";
     const TypeTable<Integrator>* type = readTyped(element, integratorTypes(), innermost_, reporter_);
     if (type && type->type == "direct") innermost_.maxDepth = 2;
     if (type && !type->substitute.empty()) {

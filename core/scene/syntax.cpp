@@ -9,6 +9,7 @@
 
 #include "core/scene/attributes.h"
 #include "core/scene/definitions.h"
+#include "core/scene/shared_spectra.h"
 #include "core/scene/spectrum_reader.h"
 #include "core/scene/transform_reader.h"
 #include "core/scene/upgrade.h"
@@ -73,6 +74,7 @@ class TreeReader {
             root.at(xml->offset),
             fmt::format("the root element is <{}>: a scene starts with <scene version=\"3.0.0\">", xml->tag));
       }
+      spectra_.resolve(tree_, definitions_, reporter_);
       reportUnused();
     }
     return std::move(tree_);
@@ -148,8 +150,10 @@ class TreeReader {
     if (xml.tag == "include") return readInclude(xml, scene);
     if (xml.tag == "path") return readPath(xml);
     if (xml.tag == "alias") return readAlias(xml);
+    if (xml.tag == "spectrum") return spectra_.add(xml, context());
     if (contains(objectTags(), xml.tag)) return readObject(xml, scene);
     std::vector<std::string> valid = directiveTags();
+    valid.emplace_back("spectrum");
     valid.insert(valid.end(), objectTags().begin(), objectTags().end());
     reportElement(xml, "scene", valid);
   }
@@ -376,7 +380,7 @@ class TreeReader {
     if (split)
       optional = {"value", "x", "y", "z"};
     else if (xml.tag == "spectrum")
-      optional = {"value", "type", "filename"};
+      optional = {"id", "value", "type", "filename"};
     else if (type != ValueType::transform)
       required.emplace_back("value");
     const Attributes attributes(xml, required, optional, context());
@@ -399,9 +403,8 @@ class TreeReader {
     } else if (type == ValueType::transform) {
       property.value = readTransform(xml, context());
     } else if (attributes.valid() && xml.tag == "spectrum") {
-      property.value =
-          readSpectrum(xml, attributes, object.tag == "emitter" ? SpectrumUse::emitted : SpectrumUse::factor,
-                       tree_.searchPath, context());
+      property.value = readSpectrum(xml, attributes, spectrumUseIn(object.tag), tree_.searchPath, context());
+      if (attributes.has("id")) spectra_.add(xml, context());
     } else if (attributes.valid()) {
       property.value = split ? readSplit(xml, attributes, type) : readText(attributes, type);
     }
@@ -456,6 +459,7 @@ class TreeReader {
   }
 
   Definitions definitions_;
+  SharedSpectra spectra_;
   SourceTexts& texts_;
   Reporter& reporter_;
   SceneTree tree_;

@@ -274,8 +274,8 @@ namespace {
 
 /// The numbers of samples of other renderers: here one path makes both kinds at each sample.
 std::vector<Field<Integrator>> directFields() {
-  std::vector<Field<Integrator>> fields = {
-      field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"})};
+  std::vector<Field<Integrator>> fields = {field<&Integrator::hideEmitters>(
+      {.name = "hide_emitters", .doc = "the camera sees through shapes that shine, and no environment"})};
   for (const char* name : {"shading_samples", "emitter_samples", "bsdf_samples", "samples_per_pass", "block_size"}) {
     fields.push_back(fieldWithoutEffect<Integrator>(name, ValueType::integer));
   }
@@ -315,7 +315,13 @@ std::vector<Field<Integrator>> pathFields() {
                   "the path may still bring to its pixel, from its first vertex on, as a small render before "
                   "the render tells (contribution); auto takes the latter for pictures of 1024 pixels or more "
                   "in which media scatter"}),
-      field<&Integrator::hideEmitters>({.name = "hide_emitters", .doc = "the camera does not see emitters"}),
+      field<&Integrator::hideEmitters>(
+          {.name = "hide_emitters", .doc = "the camera sees through shapes that shine, and no environment"}),
+      field<&Integrator::transparentShadows>(
+          {.name = "transparent_shadows",
+           .doc = "light of points and directions shines straight through masks, thin panes and the like; without it "
+                  "their shadows are black there. Larger lights are met through them in any case",
+           .defaultText = "true for volpath and volpathmis, else false"}),
       field<&Integrator::clampIndirect>(
           {.name = "clamp_indirect",
            .unit = "radiance",
@@ -385,18 +391,48 @@ std::vector<Field<Integrator>> pathFields() {
       fieldWithoutEffect<Integrator>("use_spectral_mis", ValueType::boolean)};
 }
 
+/// What Mitsuba 0.6 has for light that paths from the camera find seldom, with all of its knobs.
+std::vector<Field<Integrator>> fieldsOfOthers() {
+  std::vector<Field<Integrator>> fields = pathFields();
+  const auto known = [&](const std::string& name) {
+    return std::any_of(fields.begin(), fields.end(), [&](const auto& field) { return field.spec.name == name; });
+  };
+  const auto ignore = [&](std::initializer_list<const char*> names, ValueType type) {
+    for (const char* name : names) {
+      if (!known(name)) fields.push_back(fieldWithoutEffect<Integrator>(name, type));
+    }
+  };
+  ignore({"light_image", "sample_direct", "two_stage", "bidirectional", "bidirectional_mutation", "lens_perturbation",
+          "multi_chain_perturbation", "caustic_perturbation", "manifold_perturbation", "uniform_mutation",
+          "acceptance_map", "auto_cancel_gathering"},
+         ValueType::boolean);
+  ignore(
+      {"luminance_samples", "direct_samples", "glossy_samples", "global_photons", "caustic_photons", "volume_photons",
+       "lookup_size", "granularity", "photon_count", "max_passes", "chain_length", "num_chains", "max_chains"},
+      ValueType::integer);
+  ignore({"p_large", "lambda", "global_lookup_radius", "caustic_lookup_radius", "volume_lookup_radius",
+          "initial_radius", "alpha", "clamping"},
+         ValueType::number);
+  return fields;
+}
+
 }  // namespace
 
 const std::vector<TypeTable<Integrator>>& integratorTypes() {
   static const std::vector<TypeTable<Integrator>> tables = {
       {.type = "path",
        .doc = "path tracing of surfaces and media, with light sampling",
-       .aliases = {"volpath", "volpathmis"},
+       .aliases = {"volpath", "volpathmis", "volpath_simple"},
        .fields = pathFields()},
       {.type = "ptracer",
        .doc = "paths from the lights: imitated by paths from the camera",
        .aliases = {"prb", "prb_basic", "prb_projective", "prbvolpath"},
        .fields = pathFields(),
+       .substitute = "path"},
+      {.type = "bdpt",
+       .doc = "paths from both ends, chains of mutations and photons: imitated by paths from the camera",
+       .aliases = {"pssmlt", "mlt", "erpt", "photonmapper", "ppm", "sppm", "vpl"},
+       .fields = fieldsOfOthers(),
        .substitute = "path"},
       {.type = "direct",
        .doc = "what lights reach at once: path tracing with a max_depth of 2",

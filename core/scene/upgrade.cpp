@@ -89,6 +89,33 @@ void upgradeBitmap(XmlElement& element) {
   }
 }
 
+void rename(XmlElement& element, std::string_view from, const char* to) {
+  XmlAttribute* const name = find(element, "name");
+  if (!name || name->value != from) return;
+  name->value = to;
+  name->exact = false;
+}
+
+/// Media of voxels: their extinction had another name, how they were sampled was theirs to say, and voxels stood where
+/// their file says. Those that have the new name stay as they are.
+void upgradeMedium(XmlElement& medium) {
+  const bool isOld = std::any_of(medium.children.begin(), medium.children.end(),
+                                 [](XmlElement& child) { return hasValue(child, "name", "density"); });
+  if (!isOld) return;
+  std::erase_if(medium.children, [](XmlElement& child) { return hasValue(child, "name", "method"); });
+  for (XmlElement& child : medium.children) {
+    rename(child, "density_multiplier", "scale");
+    rename(child, "density", "sigma_t");
+    if (child.tag != "volume" || !hasValue(child, "type", "gridvolume")) continue;
+    std::erase_if(child.children, [](XmlElement& each) { return hasValue(each, "name", "send_data"); });
+    XmlElement box{.tag = "boolean", .attributes = {}, .children = {}};
+    box.offset = child.offset;
+    box.attributes.push_back({"name", "use_grid_bbox", child.offset, child.offset, false});
+    box.attributes.push_back({"value", "true", child.offset, child.offset, false});
+    child.children.push_back(std::move(box));
+  }
+}
+
 float linearOf(float encoded) {
   return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
 }
@@ -127,6 +154,7 @@ void upgradeNames(XmlElement& element) {
       }
     }
   }
+  if (element.tag == "medium" && hasValue(element, "type", "heterogeneous")) upgradeMedium(element);
   gatherPlaceOnTexture(element);
   if (element.tag == "texture" && hasValue(element, "type", "bitmap")) upgradeBitmap(element);
 }

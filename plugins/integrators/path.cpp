@@ -308,7 +308,8 @@ bool isShaded(PathContext& path, const PathState& state, double end) {
   if (!path.scene().hidesSurfaces || state.direction.isDelta) return false;
   Ray<World> ray = state.ray;
   ray.tMax = static_cast<float>(end * (1 - 1e-5));
-  return path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel);
+  return path.scene().geometry->occluded(ray, path.spans, path.interfaces, path.statistics().accel) ||
+         meetsWhatPassesPoints(path);
 }
 
 /// Emission and scattering at an opaque surface, unless a medium of higher priority hides it. `passed` becomes what was
@@ -337,7 +338,7 @@ Task<Step> meetSurface(PathContext& path, PathState& state, Radiance& radiance, 
   if (path.record && !closures.mix().isPassing())
     seeSurface(path, closures.mix(), hit, seenDistance(state, hit.point), state.throughput);
   radiance.alpha = std::max(radiance.alpha, 1 - std::clamp(average(closures.mix().holdout()), 0.0f, 1.0f));
-  const bool isHidden = scene.path.hideEmitters && state.length == 1;
+  const bool isHidden = scene.path.hideEmitters && state.rayTypes == shading::ray::camera;
   if (object.light && !isHidden && !isShaded(path, state, hit.t)) {
     Color emitted = metLight(scene, *object.light, hit, state.ray, state.direction);
     if (scene.isTextured(*object.light)) {

@@ -87,9 +87,8 @@ class SunSky final : public Light {
 
   Color escaped(Vector<World> direction) const override {
     const Direction d = toLocal(direction);
-    Color sum = isInDisc(d) ? sunAt(d) : Color();
-    if (d.z > 0) sum += skyAt(d);
-    return sum;
+    if (!(d.z > 0)) return Color();
+    return isInDisc(d) ? sunAt(d) + skyAt(d) : skyAt(d);
   }
 
   /// Through a sphere around the scene.

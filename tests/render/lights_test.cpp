@@ -210,6 +210,24 @@ TEST(LightsOnAPlane, TheSunAloneIsParallelLight) {
   }));
 }
 
+/// Of a sun on the horizon the upper half is there.
+TEST(LightsFromAfar, TheSunSetsBehindTheHorizon) {
+  const TestScene scene =
+      loadScene(direct, {.origin = "0, 0, 0", .target = "1, 0, 0", .fov = 4, .width = 8, .height = 8},
+                R"(<emitter type="sunsky"><vector name="sun_direction" x="1" y="0" z="0"/>
+      <float name="sun_aperture" value="20"/><float name="sky_scale" value="0"/>
+      <transform name="to_world"><rotate x="1" angle="-90"/></transform></emitter>)");
+  ASSERT_TRUE(scene.scene());
+  const auto film = scene.render(4);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 8; ++x) {
+      const Color color = film->estimate(x, y).color;
+      if (y >= 4) EXPECT_EQ(color, Color()) << x << ' ' << y;
+      if (y < 4) EXPECT_GT(color.r, 0.01f) << x << ' ' << y;
+    }
+  }
+}
+
 /// sky.ppm in a direction of its own space: +y the upper row, the middle of the image at -z.
 std::array<double, 3> skyAt(double x, double y, double z) {
   constexpr int texels[3][4][3] = {{{200, 200, 250}, {120, 150, 200}, {90, 100, 180}, {130, 140, 190}},

@@ -80,6 +80,47 @@ TEST(Visibility, TheCameraAloneMayNotSeeWhatCastsItsShadow) {
   }
 }
 
+/// Hidden emitters are see-through for the camera, also behind a mask, and light what they light.
+TEST(Visibility, HiddenEmittersShowWhatLiesBehindThem) {
+  constexpr const char* bowl = R"(<shape type="sphere"><point name="center" x="0" y="1.5" z="-1.8"/>
+      <float name="radius" value="0.5"/>{}<bsdf type="diffuse"/>
+      <emitter type="area"><rgb name="radiance" value="3"/></emitter></shape>)";
+  const std::string veil = R"(<shape type="rectangle"><transform name="to_world"><lookat origin="0, 4, -4.8"
+      target="0, 5, -6" up="0, 1, 0"/></transform><bsdf type="mask"><float name="opacity" value="0.3"/>
+      <bsdf type="diffuse"/></bsdf></shape>)";
+  const std::string hidden = R"(<integer name="max_depth" value="3"/><boolean name="hide_emitters" value="true"/>)";
+  const std::string shown = R"(<integer name="max_depth" value="3"/>)";
+  for (const std::string& before : {std::string(), veil}) {
+    const TestScene a = loadScene(hidden, sensor(), before + put(bowl) + groundOf("diffuse"));
+    const TestScene b = loadScene(
+        shown, sensor(), before + put(bowl, visible("shadow, diffuse, reflection, refraction")) + groundOf("diffuse"));
+    ASSERT_TRUE(a.scene() && b.scene());
+    EXPECT_TRUE(identical(*a.render(16), *b.render(16)));
+    EXPECT_FALSE(
+        identical(*a.render(16), *loadScene(shown, sensor(), before + put(bowl) + groundOf("diffuse")).render(16)));
+  }
+}
+
+/// Points and directions shine through what paths pass straight, where they are asked to.
+TEST(Visibility, LightOfPointsShinesStraightThroughMasksAndPanes) {
+  constexpr const char* pane = R"(<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/>
+      <scale value="20"/><translate y="2"/></transform><string name="visible_to" value="shadow, diffuse"/>{}</shape>)";
+  const std::string mask =
+      put(pane, R"(<bsdf type="mask"><float name="opacity" value="0.25"/><bsdf type="diffuse"/></bsdf>)");
+  const std::string glass = put(pane, R"(<bsdf type="thindielectric"><float name="int_ior" value="1.5"/>
+      <float name="ext_ior" value="1"/></bsdf>)");
+  const std::string sun = R"(<emitter type="directional"><vector name="direction" value="0, -1, 0"/>
+      <rgb name="irradiance" value="3.14159265"/></emitter>)";
+  const std::string passing =
+      R"(<integer name="max_depth" value="2"/><boolean name="transparent_shadows" value="true"/>)";
+  const std::string floor = groundOf("diffuse");
+  EXPECT_NEAR(meanOf(direct, sun + floor).value, 0.5, 1e-4);
+  EXPECT_EQ(meanOf(direct, sun + mask + floor).value, 0);
+  EXPECT_NEAR(meanOf(passing, sun + mask + floor).value, 0.5 * 0.75, 1e-4);
+  EXPECT_NEAR(meanOf(passing, sun + mask + mask + floor).value, 0.5 * 0.75 * 0.75, 1e-4);
+  EXPECT_NEAR(meanOf(passing, sun + glass + floor).value, 0.5 * (1 - 0.08 / 1.04), 1e-4);
+}
+
 TEST(Visibility, WhatCastsNoShadowTakesNoLightAway) {
   for (const std::string& light : {std::string(sky), put(lamp)}) {
     const std::string rest = light + groundOf("diffuse");

@@ -149,7 +149,7 @@ void addLightEffects(const scene::SceneDescription& description, const render::P
   effects.push_back(
       effectOf("light-links", linked, "all lights light all volumes", countOf(render::Work::linkedLight)));
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    if (scene.objects[i].passesShadows)
+    if (scene.objects[i].passesShadows || scene.objects[i].passesPoints)
       straight.add(scene.shading.family(scene.objects[i].material).program->name,
                    description.shapes[i].origin.location);
   }

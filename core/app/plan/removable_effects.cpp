@@ -103,7 +103,10 @@ const std::vector<RemovableEffect>& removableEffects() {
          }
        }},
       {"straight-shadows", "glass casts the shadows of what bends light: caustics, and their noise",
-       [](SceneDescription& d) { clearParameter(d, "straight_shadows"); }},
+       [](SceneDescription& d) {
+         clearParameter(d, "straight_shadows");
+         d.integrator.transparentShadows = false;
+       }},
       {"nested-media", "shapes that overlap do not know of each other: light is bent at every face",
        [](SceneDescription& d) {
          clearParameter(d, "priority");

@@ -1,5 +1,6 @@
 #include "core/render/preparation/lights.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -103,7 +104,10 @@ void bindLightTextures(Preparation& state) {
 
 /// Whether rays that are scattered meet just what weakens light on shadow rays.
 bool directionsMeetTheSame(const PreparedScene& scene) {
-  return !scene.shadowsPass && !scene.hidesSurfaces && scene.shadowVolumes == scene.volumes;
+  const bool weakensLess = std::any_of(scene.objects.begin(), scene.objects.end(), [](const PreparedObject& object) {
+    return object.passesShadows || !object.castsShadows;
+  });
+  return !weakensLess && !scene.hidesSurfaces && scene.shadowVolumes == scene.volumes;
 }
 
 void addLights(Preparation& state) {

@@ -27,6 +27,20 @@ bool letsShadowsPass(const Preparation& state, const PreparedObject& object) {
   return !numbers || numbers->empty() || numbers->front() != 0;
 }
 
+/// Whether light that no path can meet shines through what paths pass straight.
+bool letsPointsShine(const Preparation& state, const PreparedObject& object) {
+  const auto isTransparent = [](const Closure* c) { return c && c->kind() == ClosureKind::transparent; };
+  const auto isPoint = [](const scene::Emitter& emitter) {
+    using scene::EmitterType;
+    return emitter.type == EmitterType::point || emitter.type == EmitterType::spot ||
+           emitter.type == EmitterType::directional || emitter.type == EmitterType::projector;
+  };
+  const scene::SceneDescription& description = state.description;
+  return description.integrator.transparentShadows &&
+         std::any_of(object.closures.begin(), object.closures.end(), isTransparent) &&
+         std::any_of(description.emitters.begin(), description.emitters.end(), isPoint);
+}
+
 /// All parameters of an instance, those that its program computes without a value.
 lang::ParameterValues valuesOf(const Preparation& state, shading::InstanceRef ref) {
   const lang::Program& program = *state.scene->shading.family(ref).program;
@@ -205,6 +219,7 @@ void describeMaterial(Preparation& state, PreparedObject& object) {
   }
   if (state.errors.hasErrors()) return;
   object.passesShadows = letsShadowsPass(state, object);
+  object.passesPoints = !object.passesShadows && letsPointsShine(state, object);
   const std::optional<SurfaceAnswer> constant = constantClosures(*state.scene, object.material);
   if (!constant) return;
   Color passing;
@@ -217,6 +232,7 @@ void describeMaterial(Preparation& state, PreparedObject& object) {
     }
   }
   object.isBoundary = !hasOther && passing == Color(1.0f);
+  object.passesPoints = object.passesPoints && !object.isBoundary && !isBlack(passing);
 }
 
 }  // namespace aerosol::render

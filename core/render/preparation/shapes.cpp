@@ -164,6 +164,19 @@ accel::CurveBasis curveBasis(const scene::Shape& shape) {
 
 namespace {
 
+/// Whether another medium begins behind it.
+bool isInterface(const PreparedObject& object) {
+  return object.separatesMedia() || object.isBoundary ||
+         std::any_of(object.closures.begin(), object.closures.end(),
+                     [](const Closure* closure) { return closure && closure->kind() == ClosureKind::interior; });
+}
+
+/// Hidden emitters are not there for the camera, which sees what lies behind them. Those around a medium stay, dark.
+std::uint32_t visibilityOf(const Preparation& state, const scene::Shape& shape, const PreparedObject& object) {
+  const bool isHidden = state.description.integrator.hideEmitters && shape.emitter && !isInterface(object);
+  return isHidden ? shape.visibleTo & ~scene::RayKind::camera : shape.visibleTo;
+}
+
 /// What keeps light and paths consistent: media lie behind surfaces that are there for every ray, and lights are met
 /// wherever they are sampled.
 void decideVisibility(Preparation& state, const scene::Shape& shape, PreparedObject& object) {
@@ -173,11 +186,7 @@ void decideVisibility(Preparation& state, const scene::Shape& shape, PreparedObj
                 RayKind::refraction == shading::ray::refraction);
   if (shape.visibleTo == RayKind::all) return;
   constexpr std::uint32_t scattered = RayKind::diffuse | RayKind::reflection | RayKind::refraction;
-  const bool isInterface = object.separatesMedia() || object.isBoundary ||
-                           std::any_of(object.closures.begin(), object.closures.end(), [](const Closure* closure) {
-                             return closure && closure->kind() == ClosureKind::interior;
-                           });
-  if (isInterface) {
+  if (isInterface(object)) {
     state.errors.error(shape.origin.of("visible_to"), "a shape that bounds a medium is there for all rays");
   }
   if (shape.emitter && (shape.visibleTo & (scattered | RayKind::shadow)) != (scattered | RayKind::shadow)) {
@@ -200,9 +209,10 @@ void addShapes(Preparation& state) {
     decideVisibility(state, shape, object);
     auto id = addShape(state, i, object.isBoundary);
     if (!id) state.appendAt(shape.origin.location, id.errors());
-    const bool lets = object.passesShadows || !object.castsShadows;
+    const bool lets = object.passesShadows || object.passesPoints || !object.castsShadows;
     if (id && lets) state.builder.letShadowsPass(*id);
-    if (id && shape.visibleTo != scene::RayKind::all) state.builder.setVisibility(*id, shape.visibleTo);
+    const std::uint32_t visibleTo = visibilityOf(state, shape, object);
+    if (id && visibleTo != scene::RayKind::all) state.builder.setVisibility(*id, visibleTo);
     state.scene->shadowsPass = state.scene->shadowsPass || lets;
   }
 }

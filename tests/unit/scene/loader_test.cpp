@@ -228,6 +228,18 @@ TEST(Loader, ShapesHaveMaterialsMediaAndLights) {
   EXPECT_EQ(scene.shapes[2].material, scene.shapes[3].material);
 }
 
+/// As Mitsuba's integrators of these names do.
+TEST(Loader, ShadowsAreTransparentByTheIntegratorsName) {
+  const auto transparent = [](const std::string& type, const std::string& more = {}) {
+    return read("<integrator type=\"" + type + "\">" + more + "</integrator>").integrator.transparentShadows;
+  };
+  EXPECT_FALSE(transparent("path"));
+  EXPECT_TRUE(transparent("volpath"));
+  EXPECT_TRUE(transparent("volpathmis"));
+  EXPECT_TRUE(transparent("path", R"(<boolean name="transparent_shadows" value="true"/>)"));
+  EXPECT_FALSE(transparent("volpath", R"(<boolean name="transparent_shadows" value="false"/>)"));
+}
+
 TEST(Loader, ReadsLights) {
   const SceneDescription scene = read(R"(
     <emitter type="point"><point name="position" value="1 2 3"/><rgb name="intensity" value="#ffffff"/></emitter>

@@ -104,5 +104,29 @@ TEST(Spectrum, InScenes) {
   EXPECT_GT(warm.g, 2 * warm.b);
 }
 
+/// One spectrum, wherever it stands and by whatever name, is light to a light and a factor to a material.
+TEST(Spectrum, IsSharedByReference) {
+  Diagnostics warnings;
+  const auto scene = loadString(R"(<scene version="3.0.0"><sensor type="perspective"/>
+      <shape type="sphere"><bsdf type="diffuse"><ref name="reflectance" id="late"/></bsdf></shape>
+      <emitter type="constant"><ref name="radiance" id="other"/></emitter>
+      <emitter type="point"><spectrum name="intensity" id="inner" value="400:1, 700:3"/></emitter>
+      <shape type="sphere"><bsdf type="plastic"><ref name="diffuse_reflectance" id="inner"/></bsdf></shape>
+      <spectrum id="late" type="uniform"><float name="value" value="0.3"/></spectrum>
+      <spectrum id="flat" value="0.5"/><alias id="flat" as="same"/><alias id="same" as="other"/></scene>)",
+                                "test.xml", {}, {}, warnings);
+  ASSERT_TRUE(scene) << format(scene.errors());
+  EXPECT_EQ(format(warnings), "");
+  const auto colour = [&](std::size_t material, const char* name) {
+    const ShaderParameter* parameter = scene->materials.at(material).find(name);
+    return parameter ? std::get<Color>(parameter->value) : Color(-1);
+  };
+  expectNear(colour(0, "reflectance"), Color(0.3f), 0);
+  expectNear(scene->emitters.at(0).emitted, Color(0.602397f, 0.474146f, 0.454458f), 1e-3f);
+  const Spectrum rising{{400, 700}, {1, 3}};
+  expectNear(scene->emitters.at(1).emitted, colorOf(rising, SpectrumUse::emitted), 1e-6f);
+  expectNear(colour(1, "diffuse_reflectance"), colorOf(rising, SpectrumUse::factor), 1e-6f);
+}
+
 }  // namespace
 }  // namespace aerosol::scene

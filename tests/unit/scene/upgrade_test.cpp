@@ -90,6 +90,40 @@ TEST(Upgrade, FilmsForDisplaysAreFilms) {
   EXPECT_NE(format(warnings).find("gamma"), std::string::npos);
 }
 
+TEST(Upgrade, VoxelMediaGetTheirNewNamesAndStandWhereTheirFileSays) {
+  const SceneDescription scene = readOld(R"(<sensor type="perspective"/><shape type="cube"><bsdf type="null"/>
+      <medium name="interior" type="heterogeneous"><string name="method" value="woodcock"/>
+        <float name="densityMultiplier" value="7"/>
+        <volume name="density" type="gridvolume"><string name="filename" value="smoke.vol"/>
+          <boolean name="sendData" value="false"/></volume>
+        <volume name="albedo" type="constvolume"><spectrum name="value" value="0.9"/></volume></medium></shape>)");
+  ASSERT_EQ(scene.media.size(), 1u);
+  const ShaderUse& medium = scene.media[0].shader;
+  EXPECT_FALSE(medium.find("method"));
+  ASSERT_TRUE(medium.find("scale"));
+  EXPECT_EQ(std::get<float>(medium.find("scale")->value), 7);
+  ASSERT_EQ(medium.inputs.size(), 2u);
+  EXPECT_EQ(medium.inputs[0].parameter, "sigma_t");
+  const ShaderUse& voxels = scene.layers.at(medium.inputs[0].layer);
+  ASSERT_TRUE(voxels.find("use_grid_bbox"));
+  EXPECT_TRUE(std::get<bool>(voxels.find("use_grid_bbox")->value));
+  EXPECT_FALSE(voxels.find("send_data"));
+}
+
+TEST(Upgrade, IntegratorsThatAreImitatedKeepTheirDepth) {
+  for (const char* type : {"bdpt", "pssmlt", "mlt", "erpt", "photonmapper", "ppm", "sppm", "vpl"}) {
+    Diagnostics warnings;
+    const auto scene =
+        loadString(std::string("<scene version=\"0.6.0\"><integrator type=\"") + type +
+                       R"("><integer name="maxDepth" value="9"/><integer name="directSamples" value="16"/>
+      <float name="pLarge" value="0.3"/></integrator><sensor type="perspective"/></scene>)",
+                   "old.xml", {}, {}, warnings);
+    ASSERT_TRUE(scene) << type << format(scene.errors());
+    EXPECT_EQ(scene->integrator.maxDepth, 9) << type;
+    EXPECT_NE(format(warnings).find("'path' is used, whose picture has the same mean"), std::string::npos) << type;
+  }
+}
+
 TEST(Upgrade, NewFilesAreReadAsTheyAre) {
   EXPECT_NE(readErrors(R"(<sensor type="perspective"><float name="nearClip" value="1"/></sensor>)").find("nearClip"),
             std::string::npos);
