@@ -262,11 +262,15 @@ TEST(DepthLimitInMedia, OneShowsEmittersThroughTheMediumAndNothingElse) {
   }));
 }
 
+/// A ball inside of a shining sphere shows its light; beside the ball the camera looks through the sphere into nothing.
 TEST(HiddenEmitters, AreNotSeenButShine) {
-  const TestScene scene =
-      loadScene(R"(<integer name="max_depth" value="3"/><boolean name="hide_emitters" value="true"/>)",
-                {.origin = "0.3, 0.2, -1", .fov = 70}, shiningSphere(0.5));
-  EXPECT_TRUE(shows(scene, *scene.render(256), [&](const Ray<World>&) { return Color(0.75f); }));
+  const std::string content = shiningSphere(0.5) + R"(<shape type="sphere"><point name="center" x="0" y="0" z="0.5"/>
+      <float name="radius" value="0.3"/><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>)";
+  constexpr const char* hidden = R"(<integer name="max_depth" value="2"/><boolean name="hide_emitters" value="true"/>)";
+  const TestScene ball = loadScene(hidden, {.origin = "0.3, 0.2, -1", .target = "0, 0, 0.5", .fov = 6}, content);
+  EXPECT_TRUE(shows(ball, *ball.render(256), [](const Ray<World>&) { return Color(0.5f); }));
+  const TestScene beside = loadScene(hidden, {.origin = "0.3, 0.2, -1", .target = "1, 0, 0.5", .fov = 6}, content);
+  EXPECT_TRUE(shows(beside, *beside.render(16), [](const Ray<World>&) { return Color(0.0f); }));
 }
 
 /// The closed sphere filled with a medium: a furnace from inside, with absorption made up for by emission.
