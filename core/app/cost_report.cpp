@@ -67,6 +67,7 @@ std::vector<Counter> countersOf(const render::WorkerStatistics& s, const render:
           {"exitsWithoutEntry", s.media.exitsWithoutEntry},
           {"repeatedEntries", s.media.repeatedEntries},
           {"invalidCoefficients", s.invalidCoefficients},
+          {"amplifyingCoefficients", s.amplifyingCoefficients},
           {"invalidClosures", s.invalidClosures},
           {"droppedSamples", film.droppedCount()},
           {"frameHeapBlocks", s.frameHeapBlocks}};

@@ -65,7 +65,12 @@ Diagnostics tryOutputs(const std::vector<std::string>& names, const scene::Film&
   dot.channels = {"R", "G", "B"};
   dot.pixels = {0, 0, 0};
   std::set<fs::path> tried;
-  for (const std::string& name : names) {
+  // How pictures are shown is asked for: it has to be there, even if no file shows one.
+  std::vector<std::string> files = names;
+  const bool asksForDisplay =
+      !display.config.empty() || !display.workingSpace.empty() || !display.display.empty() || !display.view.empty();
+  if (asksForDisplay && !names.empty()) files.push_back(fs::path(names.front()).replace_extension(".png").string());
+  for (const std::string& name : files) {
     const fs::path probe =
         fs::path(name).parent_path() / fmt::format(".aerosol-try-{}{}", getpid(), fs::path(name).extension().string());
     if (!tried.insert(probe).second) continue;

@@ -426,6 +426,7 @@ class Render {
     console_.report(appendToFiles(report.files));
     console_.report(report.messages);
     Diagnostics found = reportInvalidCoefficients(session_.scene());
+    found.append(reportAmplifyingMedia(session_.scene()));
     found.append(reportInvalidClosures(session_.scene()));
     found.append(reportTrackers(session_.scene(), report_.statistics.trackers));
     found.append(reportLights(report_.statistics));

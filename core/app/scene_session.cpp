@@ -10,6 +10,7 @@
 #include "core/app/plan/effects.h"
 #include "core/app/registered_types.h"
 #include "core/app/sampling_plan_file.h"
+#include "core/app/shader_report.h"
 #include "core/lang/native.h"
 #include "core/render/scene_check.h"
 #include "core/scene/loader.h"
@@ -99,6 +100,14 @@ Diagnostics SceneSession::findFiles(const render::PreparedScene& scene) const {
   return files;
 }
 
+/// What media that are the same everywhere give, that they should not.
+Diagnostics SceneSession::findMedia(const render::PreparedScene& scene) const {
+  Diagnostics media = reportInvalidCoefficients(scene);
+  media.append(reportAmplifyingMedia(scene));
+  description_->sources->annotate(media);
+  return media;
+}
+
 bool SceneSession::prepareAgain() {
   auto scene = prepareVariant(*description_);
   if (scene) scene_ = std::move(scene);
@@ -123,6 +132,7 @@ Diagnostics SceneSession::check() {
       const Diagnostics files = findFiles(**prepared);
       for (const Diagnostic& found : files.entries())
         (found.severity == Severity::error ? errors : warnings_).add(found);
+      warnings_.append(findMedia(**prepared));
       return errors;
     }
     errors.append(prepared.errors());

@@ -52,6 +52,7 @@ class SceneSession {
  private:
   render::PrepareOptions prepareOptions() const;
   Diagnostics findFiles(const render::PreparedScene& scene) const;
+  Diagnostics findMedia(const render::PreparedScene& scene) const;
   bool accept(const Diagnostics& diagnostics) const;
   void tellWarnings(const Diagnostics& warnings);
 

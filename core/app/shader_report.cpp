@@ -111,6 +111,26 @@ Diagnostics reportInvalidCoefficients(const render::PreparedScene& scene) {
   return warnings;
 }
 
+Diagnostics reportAmplifyingMedia(const render::PreparedScene& scene) {
+  Diagnostics warnings;
+  for (const auto& [medium, found] : scene.messages->amplifying()) {
+    const volume::Coefficients& given = found.given;
+    const Point<World> p = found.point;
+    const std::string place = found.isEverywhere ? "everywhere"
+                                                 : fmt::format("first at {}, world point ({:.6g}, {:.6g}, {:.6g})",
+                                                               describe(found.path), p.x, p.y, p.z);
+    warnings.warning(
+        scene.mediumLocations[medium],
+        fmt::format("volume shader '{}' scatters more light than it takes from rays, an albedo above 1: light grows "
+                    "from bounce to bounce, and the image is noisy or never settles",
+                    scene.mediumNames[medium]),
+        {fmt::format("{}: scattering {}, extinction {}; {} in all", place, describe(given.sigmaS),
+                     describe(given.sigmaT), formatCount(found.count, "result")),
+         "keep every channel of the albedo at 1 or below; for more light raise the lights or add emission()"});
+  }
+  return warnings;
+}
+
 Diagnostics reportInvalidClosures(const render::PreparedScene& scene) {
   Diagnostics warnings;
   for (const auto& [object, invalid] : scene.messages->invalidSurfaces()) {
@@ -136,8 +156,10 @@ Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::Tra
     const double bound = largest / excess;
     warnings.warning(
         scene.mediumLocations[medium.index],
-        fmt::format("the extinction of '{}' was above its bound of {:.6g} at {}; the image is right but noisier",
-                    scene.mediumNames[medium.index], bound, formatCount(trackers.boundViolations, "point")),
+        fmt::format("the extinction of '{}' was above its bound of {:.6g} at {}; {}", scene.mediumNames[medium.index],
+                    bound, formatCount(trackers.boundViolations, "point"),
+                    excess > 2 ? "so far above that no usual number of samples comes near the right image"
+                               : "the image is right but noisier"),
         {fmt::format(
             "the largest value met was {:.6g}; declare <float name=\"density_bound\" value=\"{:.6g}\"/>, or more",
             largest, roundUp(largest))});
@@ -154,7 +176,9 @@ Diagnostics reportTrackers(const render::PreparedScene& scene, const volume::Tra
     warnings.warning({},
                      fmt::format("{} given up after {} tentative collisions",
                                  formatCount(trackers.stepLimits, "ray segment"), formatCount(volume::maximumSteps)),
-                     {"a density bound is far above what the shader gives"});
+                     {scene.messages && !scene.messages->amplifying().empty()
+                          ? "a medium scatters more than it takes from rays: its paths do not die out"
+                          : "a density bound is far above what the shader gives"});
   }
   return warnings;
 }

@@ -29,6 +29,9 @@ ShaderReport reportMessages(const std::vector<render::Message>& messages, std::u
 /// Results of volume shaders that were NaN, infinite or negative, once a medium.
 Diagnostics reportInvalidCoefficients(const render::PreparedScene& scene);
 
+/// Volume shaders with an albedo above 1, once a medium.
+Diagnostics reportAmplifyingMedia(const render::PreparedScene& scene);
+
 /// Closures of surface shaders with weights or parameters that were NaN or infinite, once an object.
 Diagnostics reportInvalidClosures(const render::PreparedScene& scene);
 

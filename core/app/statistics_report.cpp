@@ -68,6 +68,7 @@ void addTrackers(Table& table, const render::WorkerStatistics& s) {
                           formatCount(s.media.repeatedEntries, "hit")));
   }
   if (s.invalidCoefficients > 0) table.row("invalid results", formatCount(s.invalidCoefficients));
+  if (s.amplifyingCoefficients > 0) table.row("albedo above 1", formatCount(s.amplifyingCoefficients, "result"));
   if (s.invalidVelocities > 0) table.row("invalid velocities", formatCount(s.invalidVelocities));
 }
 

@@ -11,6 +11,7 @@
 #include "core/lang/closures.h"
 #include "core/lang/fold.h"
 #include "core/lang/lower.h"
+#include "core/lang/reached_sites.h"
 
 namespace aerosol::lang {
 
@@ -36,6 +37,7 @@ class ClosureExpansion : CodeWriter {
       setLocation(0);
       addClosureOutputs(*this, result, report_);
     }
+    if (!isVolume()) dropUnheldSites(program_);
     program_.body = std::move(body);
     program_.ci = noVariable;
   }

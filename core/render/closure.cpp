@@ -18,4 +18,6 @@ Color Closure::emitted(std::span<const float>, const ClosurePoint&) const { retu
 
 SubsurfaceBody Closure::body(std::span<const float>) const { return {}; }
 
+InteriorMatter Closure::interior(std::span<const float>) const { return {}; }
+
 }  // namespace aerosol::render

@@ -65,6 +65,14 @@ struct ClosureSample {
   float radianceScale = 1;
 };
 
+/// A homogeneous medium inside a surface, per scene unit.
+struct InteriorMatter {
+  Color sigmaT, sigmaS;
+  float anisotropy = 0;
+  std::optional<float> ior;  ///< None: the closures of the surface have their own.
+  int priority = 0;          ///< 0: off.
+};
+
 /// A closure. Its parameters are floats as described by `fields`. Directions point away from the surface.
 class Closure {
  public:
@@ -95,6 +103,8 @@ class Closure {
   virtual Color emitted(std::span<const float> parameters, const ClosurePoint& point) const;
   /// What light that enters goes through; of a closure of that kind.
   virtual SubsurfaceBody body(std::span<const float> parameters) const;
+  /// What lies inside the surface; of a closure of that kind.
+  virtual InteriorMatter interior(std::span<const float> parameters) const;
 };
 
 }  // namespace aerosol::render

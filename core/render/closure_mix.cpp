@@ -1,13 +1,11 @@
 #include "core/render/closure_mix.h"
 
 #include <algorithm>
-#include <cassert>
 
 namespace aerosol::render {
 
 ClosureMix::ClosureMix(std::span<const WeightedClosure> terms, const ClosurePoint& point)
-    : terms_(terms), point_(point) {
-  assert(terms.size() <= maximumTerms);
+    : terms_(terms), point_(point), shares_(terms.size()) {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     const WeightedClosure& term = terms_[i];
     if (term.closure->kind() == ClosureKind::emission) continue;

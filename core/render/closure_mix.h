@@ -1,10 +1,10 @@
 // A weighted sum of closures at one surface point.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 
+#include "core/base/small_array.h"
 #include "core/render/closure.h"
 
 namespace aerosol::render {
@@ -27,9 +27,9 @@ struct WeightedClosure {
 /// (one-sample multiple importance sampling with the balance heuristic, Veach 1997). Refers to its terms, no copy.
 class ClosureMix {
  public:
-  static constexpr std::size_t maximumTerms = 16;
+  /// What most materials have at most.
+  static constexpr std::size_t usualTerms = 16;
 
-  /// At most `maximumTerms`.
   explicit ClosureMix(std::span<const WeightedClosure> terms, const ClosurePoint& point);
 
   /// As `Closure::evaluate` and `pdf`.
@@ -64,7 +64,7 @@ class ClosureMix {
  private:
   std::span<const WeightedClosure> terms_;
   ClosurePoint point_;
-  std::array<float, maximumTerms> shares_{};  ///< By term: |weight| × albedo.
+  SmallArray<float, usualTerms> shares_;  ///< By term: |weight| × albedo.
   float total_ = 0;
   std::size_t sampled_ = 0;  ///< Terms with a share.
 };

@@ -1,7 +1,6 @@
 #include "core/render/interior.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/render/medium_preparation.h"
 #include "core/render/nesting.h"
@@ -11,41 +10,29 @@ namespace aerosol::render {
 
 using volume::Interior;
 
-namespace {
-
-/// Extinction from the colour that white light has after a distance (0: none).
-Color extinctionOf(Color transmission, float depth) {
-  if (!(depth > 0)) return Color();
-  Color sigma;
-  for (int i = 0; i < 3; ++i) sigma[i] = -std::log(std::clamp(transmission[i], 1e-6f, 1.0f)) / depth;
-  return sigma;
-}
-
-}  // namespace
-
 std::optional<Interior> interiorOf(const PreparedScene& scene, std::uint32_t object, const SurfaceAnswer& answer) {
   const PreparedObject& prepared = scene.objects[object];
   Interior interior;
   interior.object = object;
   volume::Coefficients sum;
   bool isDescribed = false;
-  for (std::uint32_t i = 0; i < answer.siteCount; ++i) {
+  for (std::uint32_t i = 0; i < answer.siteCount(); ++i) {
     const Closure* closure = prepared.closures[i];
     const SurfaceAnswer::Site& site = answer.sites[i];
     if (!closure || closure->kind() != ClosureKind::interior || isBlack(site.weight)) continue;
-    const auto& p = site.parameters;
-    const Color albedo(p[0], p[1], p[2]), transmission(p[4], p[5], p[6]);
-    const Color sigmaT = site.weight * extinctionOf(transmission, p[3]), sigmaS = sigmaT * albedo;
+    const InteriorMatter matter = closure->interior(site.parameters);
+    const Color sigmaT = site.weight * matter.sigmaT, sigmaS = site.weight * matter.sigmaS;
     if (!isFinite(sigmaT) || !isFinite(sigmaS)) continue;
-    if (!isDescribed) {
-      interior.ior = p[8];
-      if (p[9] != 0) interior.priority = static_cast<int>(p[9]);
+    if (matter.ior && !interior.saysIndex) {
+      interior.ior = *matter.ior;
+      interior.saysIndex = true;
     }
-    isDescribed = interior.saysIndex = true;
+    if (!isDescribed && matter.priority != 0) interior.priority = matter.priority;
+    isDescribed = true;
     sum.sigmaT += sigmaT;
     sum.sigmaS += sigmaS;
     if (!isBlack(sigmaS) && sum.lobeCount < sum.lobes.size()) {
-      sum.lobes[sum.lobeCount++] = {sigmaS, std::clamp(p[7], -1.0f, 1.0f)};
+      sum.lobes[sum.lobeCount++] = {sigmaS, std::clamp(matter.anisotropy, -1.0f, 1.0f)};
     }
   }
   if (!isDescribed && !prepared.separatesMedia()) return {};

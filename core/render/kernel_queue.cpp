@@ -76,6 +76,8 @@ void KernelQueues::prepareLayout(Queue& queue) const {
   }
   if (queue.variant == shading::Variant::velocity || queue.variant == shading::Variant::outputs) return;
   for (const jit::OutputComponent& output : outputs) {
+    if (output.kind == lang::OutputKind::sigmaT) queue.sigmaT[output.component] = queue.destinations.size();
+    if (output.kind == lang::OutputKind::sigmaS) queue.sigmaS[output.component] = queue.destinations.size();
     queue.destinations.push_back(coefficientOffset(output));
     const bool mayBeNegative =
         output.kind == lang::OutputKind::emission || output.kind == lang::OutputKind::lobeAnisotropy;
@@ -116,7 +118,14 @@ void KernelQueues::prepareSurfaceLayout(Queue& queue) const {
     }
     queue.parameters.push_back(std::move(parameter));
   }
+  std::vector<bool> isReached(queue.sites, false);
+  for (const jit::OutputComponent& output : outputs)
+    if (output.kind == lang::OutputKind::siteWeight) isReached[output.index] = true;
   for (std::uint32_t site = 0; site < queue.sites; ++site) {
+    if (!isReached[site]) {
+      for (std::size_t c = 0; c < 3; ++c) queue.defaults.emplace_back(site * stride + c, 0.0f);
+      continue;
+    }
     const Closure* closure = scene_.siteClosures[queue.family][site];
     if (!closure) continue;
     const auto fields = closure->fields();
@@ -236,12 +245,36 @@ bool KernelQueues::allSound(const Queue& queue) const {
   return sound;
 }
 
+/// More than rounding of sums of closures.
+constexpr float largestAlbedo = 1 + 1e-4f;
+
+/// Whether some result of the batch scatters more than it takes from rays. One pass without branches.
+bool KernelQueues::someAmplify(const Queue& queue) const {
+  bool amplifies = false;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float *sigmaT = batch_.output(queue.sigmaT[c]), *sigmaS = batch_.output(queue.sigmaS[c]);
+    for (std::size_t lane = 0; lane < running_.size(); ++lane) amplifies |= sigmaS[lane] > largestAlbedo * sigmaT[lane];
+  }
+  return amplifies;
+}
+
+/// An albedo above 1 is counted, and reported once a shader with the point that gave it; the result stays as it is.
+void KernelQueues::checkAlbedo(const volume::Coefficients& answer, std::uint32_t index, const PathContext& path) {
+  bool amplifies = false;
+  for (int c = 0; c < 3; ++c) amplifies = amplifies || answer.sigmaS[c] > largestAlbedo * answer.sigmaT[c];
+  if (!amplifies) return;
+  ++statistics_.amplifyingCoefficients;
+  const Question& question = path.questions()[index];
+  scene_.messages->reportAmplifying(*question.medium, question.point, answer, path.id(), path.questionNumber(index));
+}
+
 const std::optional<VolumeLook>& KernelQueues::lookOf(const PathContext& path, const PendingQuestion& from) const {
   return scene_.looks[path.questions()[from.question].medium->index];
 }
 
 void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths) {
   const bool sound = allSound(queue), hasLooks = hasOptionalEffects && !scene_.looks.empty();
+  const bool amplifies = someAmplify(queue);
   const std::size_t outputs = queue.destinations.size();
   for (std::size_t lane = 0; lane < running_.size(); ++lane) {
     PathContext& path = *paths[running_[lane].slot];
@@ -253,6 +286,8 @@ void KernelQueues::scatterCoefficients(const Queue& queue, std::span<PathContext
     if (queue.copiesSigmaS) answer.lobes[0].sigmaS = answer.sigmaS;
     if (!sound) [[unlikely]]
       checkCoefficients(answer, running_[lane].question, path);
+    if (amplifies) [[unlikely]]
+      checkAlbedo(answer, running_[lane].question, path);
     if (hasLooks) {
       if (const auto& look = lookOf(path, running_[lane])) {
         look->apply(answer);
@@ -286,6 +321,7 @@ void KernelQueues::scatterExtinction(const Queue& queue, std::span<PathContext* 
 void KernelQueues::scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths) {
   for (std::size_t lane = 0; lane < running_.size(); ++lane) {
     SurfaceAnswer& answer = paths[running_[lane].slot]->surfaceAnswer();
+    if (answer.sites.size() != queue.sites) answer.sites.resize(queue.sites);
     auto* floats = reinterpret_cast<float*>(answer.sites.data());
     for (const auto& [place, value] : queue.defaults) floats[place] = value;
     for (const SurfaceParameter& parameter : queue.parameters) {
@@ -301,7 +337,6 @@ void KernelQueues::scatterSurfaces(const Queue& queue, std::span<PathContext* co
         place = static_cast<const float*>(values)[lane];
       }
     }
-    answer.siteCount = queue.sites;
   }
 }
 

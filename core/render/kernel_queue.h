@@ -47,10 +47,11 @@ class KernelQueues {
     std::uint32_t family = 0;
     shading::Variant variant{};
     std::vector<PendingQuestion> questions;
-    shading::PointArrays points;            ///< Of the questions.
-    std::vector<std::size_t> destinations;  ///< Float of the answer that each output goes to.
-    std::vector<float> least;               ///< By output: what is below is wrong.
-    bool copiesSigmaS = false;              ///< One lobe: its σs is the sum.
+    shading::PointArrays points;                    ///< Of the questions.
+    std::vector<std::size_t> destinations;          ///< Float of the answer that each output goes to.
+    std::vector<float> least;                       ///< By output: what is below is wrong.
+    std::array<std::size_t, 3> sigmaT{}, sigmaS{};  ///< Volumes: outputs of the channels.
+    bool copiesSigmaS = false;                      ///< One lobe: its σs is the sum.
     std::uint32_t lobes = 0;
     std::uint32_t sites = 0;
     std::vector<SurfaceParameter> parameters;             ///< Surfaces: where the outputs go instead.
@@ -66,11 +67,13 @@ class KernelQueues {
   void prepareLayout(Queue& queue) const;
   void prepareSurfaceLayout(Queue& queue) const;
   bool allSound(const Queue& queue) const;
+  bool someAmplify(const Queue& queue) const;
   void scatterExtinction(const Queue& queue, std::span<PathContext* const> paths);
   void scatterCoefficients(const Queue& queue, std::span<PathContext* const> paths);
   void scatterSurfaces(const Queue& queue, std::span<PathContext* const> paths);
   void scatterOutputs(std::span<PathContext* const> paths);
   const std::optional<VolumeLook>& lookOf(const PathContext& path, const PendingQuestion& from) const;
+  void checkAlbedo(const volume::Coefficients& answer, std::uint32_t index, const PathContext& path);
   void checkCoefficients(volume::Coefficients& answer, std::uint32_t index, PathContext& path);
   void count(const Queue& queue, int points, int width, std::uint64_t nanoseconds);
 

@@ -48,7 +48,8 @@ std::optional<volume::Coefficients> constantCoefficients(const PreparedScene& sc
   const Question question{&medium, volume::Quantity::coefficients, {}, {}, nullptr};
   return askOnce(scene, question, [&](PathContext& path, const WorkerStatistics& statistics) {
     // What is no number has become zero; the render will not ask again.
-    if (statistics.invalidCoefficients > 0) scene.messages->markInvalidEverywhere(medium);
+    if (statistics.invalidCoefficients + statistics.amplifyingCoefficients > 0)
+      scene.messages->markInvalidEverywhere(medium);
     return path.answer(0);
   });
 }

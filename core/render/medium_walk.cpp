@@ -261,7 +261,7 @@ Task<> askStraightSurfaces(PathContext& path, Ray<World> ray) {
       const shading::ShadingPoint point = shadingPointOf(path, scene.geometry->hitAt(ray, key), ray);
       const SurfaceAnswer& answer = co_await path.shade(object.material, point);
       crossing.through = Color();
-      for (std::uint32_t site = 0; site < answer.siteCount; ++site) {
+      for (std::uint32_t site = 0; site < answer.siteCount(); ++site) {
         const Closure* const closure = object.closures[site];
         if (closure && closure->kind() == ClosureKind::transparent) crossing.through += answer.sites[site].weight;
       }

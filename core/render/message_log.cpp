@@ -34,7 +34,17 @@ void MessageLog::insert(Message message) {
 void MessageLog::reportInvalid(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
                                const PathId& path, std::uint32_t question) {
   const std::lock_guard lock(mutex_);
-  Invalid& entry = invalid_[medium.index];
+  note(invalid_[medium.index], point, given, path, question);
+}
+
+void MessageLog::reportAmplifying(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
+                                  const PathId& path, std::uint32_t question) {
+  const std::lock_guard lock(mutex_);
+  note(amplifying_[medium.index], point, given, path, question);
+}
+
+void MessageLog::note(Invalid& entry, Point<World> point, const volume::Coefficients& given, const PathId& path,
+                      std::uint32_t question) {
   ++entry.count;
   if (entry.count == 1 || std::tie(path, question) < std::tie(entry.path, entry.question)) {
     entry = {path, question, point, given, entry.count, false};
@@ -56,7 +66,8 @@ void MessageLog::reportInvalidSurface(std::uint32_t object, std::uint32_t site, 
 
 void MessageLog::markInvalidEverywhere(const volume::Medium& medium) {
   const std::lock_guard lock(mutex_);
-  invalid_.at(medium.index).isEverywhere = true;
+  for (auto* entries : {&invalid_, &amplifying_})
+    if (const auto known = entries->find(medium.index); known != entries->end()) known->second.isEverywhere = true;
 }
 
 std::vector<Message> MessageLog::sorted() const {
@@ -72,6 +83,11 @@ std::uint64_t MessageLog::dropped() const {
 std::map<std::uint32_t, MessageLog::InvalidSurface> MessageLog::invalidSurfaces() const {
   const std::lock_guard lock(mutex_);
   return invalidSurfaces_;
+}
+
+std::map<std::uint32_t, MessageLog::Invalid> MessageLog::amplifying() const {
+  const std::lock_guard lock(mutex_);
+  return amplifying_;
 }
 
 std::map<std::uint32_t, MessageLog::Invalid> MessageLog::invalid() const {

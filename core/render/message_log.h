@@ -44,6 +44,9 @@ class MessageLog {
                      const PathId& path, std::uint32_t question = 0);
   /// The reported medium is the same everywhere.
   void markInvalidEverywhere(const volume::Medium& medium);
+  /// A shader gave scattering above extinction: an albedo above 1. Kept likewise.
+  void reportAmplifying(const volume::Medium& medium, Point<World> point, const volume::Coefficients& given,
+                        const PathId& path, std::uint32_t question = 0);
   /// A surface shader gave closures with weights or parameters that are NaN or infinite. Kept once an object.
   void reportInvalidSurface(std::uint32_t object, std::uint32_t site, Point<World> point, const PathId& path);
 
@@ -67,6 +70,7 @@ class MessageLog {
   std::uint64_t dropped() const;
   /// By medium index.
   std::map<std::uint32_t, Invalid> invalid() const;
+  std::map<std::uint32_t, Invalid> amplifying() const;
   /// By object.
   std::map<std::uint32_t, InvalidSurface> invalidSurfaces() const;
 
@@ -78,12 +82,14 @@ class MessageLog {
   };
 
   void insert(Message message);
+  static void note(Invalid& entry, Point<World> point, const volume::Coefficients& given, const PathId& path,
+                   std::uint32_t question);
 
   const std::size_t maximum_;
   mutable std::mutex mutex_;
   std::set<Message, Order> messages_;
   std::uint64_t dropped_ = 0;
-  std::map<std::uint32_t, Invalid> invalid_;
+  std::map<std::uint32_t, Invalid> invalid_, amplifying_;
   std::map<std::uint32_t, InvalidSurface> invalidSurfaces_;
 };
 

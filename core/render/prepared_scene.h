@@ -73,7 +73,7 @@ struct PreparedObject {
   }
   /// What crossing the face of its body means, with nothing around it.
   volume::Crossing crossBody(bool entering) const {
-    return {.iorBefore = entering ? 1 : body->ior, .iorAfter = entering ? body->ior : 1};
+    return {.iorBefore = entering ? 1 : body->ior, .iorAfter = entering ? body->ior : 1, .hasIndices = body->saysIndex};
   }
 };
 

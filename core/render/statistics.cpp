@@ -30,6 +30,7 @@ WorkerStatistics& WorkerStatistics::operator+=(const WorkerStatistics& o) {
   countedLanesRun += o.countedLanesRun;
   countedLanesUsed += o.countedLanesUsed;
   invalidCoefficients += o.invalidCoefficients;
+  amplifyingCoefficients += o.amplifyingCoefficients;
   invalidVelocities += o.invalidVelocities;
   invalidClosures += o.invalidClosures;
   raysIntoLights += o.raysIntoLights;

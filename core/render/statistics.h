@@ -33,11 +33,12 @@ struct WorkerStatistics {
   std::uint64_t kernelLanes = 0;      ///< Points rounded up to whole vectors, call by call.
   std::uint64_t countedLanesRun = 0;  ///< Weighted by the cost of each block of code; kernels with counters alone.
   std::uint64_t countedLanesUsed = 0;
-  std::uint64_t invalidCoefficients = 0;  ///< Shader results that were NaN, infinite or negative.
-  std::uint64_t invalidVelocities = 0;    ///< That were NaN or infinite: their points did not move.
-  std::uint64_t invalidClosures = 0;      ///< Surface points with closures that were NaN or infinite.
-  std::uint64_t raysIntoLights = 0;       ///< Rays through media that meet a point light without a radius.
-  std::uint64_t bodyEntries = 0;          ///< Paths that went into the body of a surface.
+  std::uint64_t invalidCoefficients = 0;     ///< Shader results that were NaN, infinite or negative.
+  std::uint64_t amplifyingCoefficients = 0;  ///< Shader results that scatter more than they take from rays.
+  std::uint64_t invalidVelocities = 0;       ///< That were NaN or infinite: their points did not move.
+  std::uint64_t invalidClosures = 0;         ///< Surface points with closures that were NaN or infinite.
+  std::uint64_t raysIntoLights = 0;          ///< Rays through media that meet a point light without a radius.
+  std::uint64_t bodyEntries = 0;             ///< Paths that went into the body of a surface.
   volume::StackStatistics media;
   WorkCounts work;
   std::vector<std::uint64_t> lightSamples;         ///< By light: how often it was chosen at a point, or met by a ray.

@@ -75,12 +75,10 @@ bool isSoundSite(const PreparedObject& object, std::size_t index, const SurfaceA
 
 SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnswer& answer,
                                  const accel::SurfaceHit& hit, Vector<World> direction,
-                                 const volume::Crossing* crossing) {
-  // Sites beyond the shader's own hold nothing and are not copied.
-  std::copy_n(answer.sites.begin(), answer.siteCount, answer_.sites.begin());
-  answer_.siteCount = answer.siteCount;
-  std::array<bool, SurfaceAnswer::maximumSites> isSound{};
-  for (std::uint32_t i = 0; i < answer_.siteCount; ++i) {
+                                 const volume::Crossing* crossing)
+    : answer_(answer) {
+  SmallArray<bool, SurfaceAnswer::usualSites> isSound(answer_.siteCount());
+  for (std::uint32_t i = 0; i < answer_.siteCount(); ++i) {
     SurfaceAnswer::Site& site = answer_.sites[i];
     const bool isUsed = object.closures[i] && (!isBlack(site.weight) || !object.layers.empty());
     if (!isUsed || object.closures[i]->kind() == ClosureKind::interior) continue;
@@ -95,11 +93,13 @@ SurfaceClosures::SurfaceClosures(const PreparedObject& object, const SurfaceAnsw
     point.iorNear = crossing->iorBefore;
     point.iorFar = crossing->iorAfter;
   }
+  terms_.resize(answer_.siteCount());
   std::size_t count = 0;
-  for (std::uint32_t i = 0; i < answer_.siteCount; ++i) {
+  for (std::uint32_t i = 0; i < answer_.siteCount(); ++i) {
     if (!isSound[i] || isBlack(answer_.sites[i].weight)) continue;
     if (object.closures[i]->kind() == ClosureKind::shadowing) continue;
-    const Color weight = object.layers.empty() ? answer_.sites[i].weight : weightBelow(object, i, isSound, point);
+    const Color weight = object.layers.empty() ? answer_.sites[i].weight
+                                               : weightBelow(object, i, {isSound.data(), isSound.size()}, point);
     if (isBlack(weight)) continue;
     WeightedClosure& term = terms_[count++];
     term = {object.closures[i], weight, answer_.sites[i].parameters};

@@ -1,7 +1,6 @@
 // From what a surface shader answered to the closures that a path samples.
 #pragma once
 
-#include <array>
 #include <span>
 
 #include "core/render/closure_mix.h"
@@ -35,7 +34,7 @@ class SurfaceClosures {
                     const ClosurePoint& point) const;
 
   SurfaceAnswer answer_;
-  std::array<WeightedClosure, SurfaceAnswer::maximumSites> terms_;
+  SmallArray<WeightedClosure, SurfaceAnswer::usualSites> terms_;
   std::optional<ClosureMix> mix_;
   std::optional<std::uint32_t> invalidSite_;
 };

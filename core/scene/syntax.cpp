@@ -98,8 +98,11 @@ class TreeReader {
     if (incomplete_) return;
     for (const std::string& name : definitions_.unusedFromCommandLine()) {
       std::vector<std::string> notes = alternatives(name, definedNames(name), "the scene defines");
-      if (name == "frame") notes.push_back("--frames defines it: without it, all frames are the same picture");
-      reporter_.error({"command line", 0, 0}, fmt::format("-D {0}: the scene never uses '${0}'", name),
+      const bool isFrame = name == "frame";
+      if (isFrame)
+        notes.insert(notes.begin(), "without it, all frames are the same picture: write $frame where one differs");
+      reporter_.error({"command line", 0, 0},
+                      fmt::format("{1}-D {0}: the scene never uses '${0}'", name, isFrame ? "--frames or " : ""),
                       std::move(notes));
     }
     if (reporter_.failed()) return;

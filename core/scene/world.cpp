@@ -300,7 +300,7 @@ class WorldReader {
   }
 
   void readSphere(const XmlElement& xml) {
-    checkAttributes(xml, {"center", "radius", "resolution"});
+    checkAttributes(xml, {"center", "radius", "resolution", "is_light"});
     const auto center = triple(xml, "center", true);
     const auto radius = numbers(xml, "radius", 1, true);
     if (!center || !radius) return;
@@ -313,7 +313,7 @@ class WorldReader {
   }
 
   void readQuad(const XmlElement& xml) {
-    checkAttributes(xml, {"corner", "edge_x", "edge_y", "resolution"});
+    checkAttributes(xml, {"corner", "edge_x", "edge_y", "resolution", "is_light"});
     const auto corner = triple(xml, "corner", true), x = triple(xml, "edge_x", true), y = triple(xml, "edge_y", true);
     if (!corner || !x || !y) return;
     const Triple normal = cross(*x, *y);

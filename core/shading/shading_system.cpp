@@ -6,6 +6,8 @@
 #include <thread>
 
 #include "core/base/hash.h"
+#include "core/lang/analysis.h"
+#include "core/lang/reached_sites.h"
 
 namespace aerosol::shading {
 
@@ -81,6 +83,19 @@ std::vector<jit::FoldedParameter> foldedParameters(const Family& family) {
   return folded;
 }
 
+/// Weights and parameters of the closures that some instance may return.
+std::vector<lang::Output> surfaceOutputsOf(const Family& family, const std::vector<jit::FoldedParameter>& folded) {
+  lang::ParameterValues values;
+  for (const jit::FoldedParameter& parameter : folded) values[parameter.parameter] = parameter.value;
+  const std::vector<bool> reached = lang::reachedSites(lang::specialise(*family.program, values));
+  std::vector<lang::Output> chosen;
+  for (const lang::Output& output : family.program->outputs) {
+    const bool isOfSite = output.kind == lang::OutputKind::siteWeight || output.kind == lang::OutputKind::siteParameter;
+    if (isOfSite && reached[output.index]) chosen.push_back(output);
+  }
+  return chosen;
+}
+
 std::vector<lang::Output> outputsOf(const Family& family, Variant variant) {
   const lang::Program& program = *family.program;
   using lang::OutputKind;
@@ -102,8 +117,7 @@ std::vector<lang::Output> outputsOf(const Family& family, Variant variant) {
       case Variant::extinction:
         wanted = output.kind == OutputKind::sigmaT;
         break;
-      case Variant::surface:
-        wanted = output.kind == OutputKind::siteWeight || output.kind == OutputKind::siteParameter;
+      case Variant::surface:  // See surfaceOutputsOf.
         break;
       case Variant::outputs:
         wanted = output.kind == OutputKind::parameter &&
@@ -190,8 +204,8 @@ void writeInstanceData(Family& family, const jit::KernelInterface& interface) {
 jit::KernelRequest requestFor(const Family& family, Variant variant, const ShadingOptions& options) {
   jit::KernelRequest request;
   request.program = family.program;
-  request.outputs = outputsOf(family, variant);
   request.folded = foldedParameters(family);
+  request.outputs = variant == Variant::surface ? surfaceOutputsOf(family, request.folded) : outputsOf(family, variant);
   request.severalInstances = family.instances.size() > 1 || family.moves();
   request.counters = options.counters;
   // What a medium says at a point is said once.

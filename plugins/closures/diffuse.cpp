@@ -21,6 +21,13 @@ bool isReflected(const ClosurePoint& point, Vector<World> toLight) {
   return dot(point.toViewer, point.geometricNormal) * dot(toLight, point.geometricNormal) > 0;
 }
 
+/// The viewer is on the side that scatters: that of the shading normal, or of the geometry below it, so that smooth
+/// meshes have no dark rims where the shading normal turns away first.
+bool isVisible(const ClosurePoint& point, Vector<World> normal) {
+  return dot(normal, point.toViewer) > 0 ||
+         dot(point.toViewer, point.geometricNormal) * dot(normal, point.geometricNormal) > 0;
+}
+
 class Diffuse final : public Closure {
  public:
   std::string_view name() const override { return "diffuse"; }
@@ -34,8 +41,10 @@ class Diffuse final : public Closure {
   }
 
   float pdf(std::span<const float> parameters, const ClosurePoint& point, Vector<World> toLight) const override {
-    const float cosine = dot(shadingNormal(parameters), toLight);
-    return cosine > 0 && isReflected(point, toLight) ? cosine * (1 / std::numbers::pi_v<float>) : 0;
+    const Vector<World> normal = shadingNormal(parameters);
+    const float cosine = dot(normal, toLight);
+    const bool isLit = cosine > 0 && isReflected(point, toLight) && isVisible(point, normal);
+    return isLit ? cosine * (1 / std::numbers::pi_v<float>) : 0;
   }
 
   std::optional<ClosureSample> sample(std::span<const float> parameters, const ClosurePoint& point,
@@ -46,7 +55,9 @@ class Diffuse final : public Closure {
     return ClosureSample{.direction = direction, .weight = Color(1), .pdf = density};
   }
 
-  Color albedo(std::span<const float>, const ClosurePoint&) const override { return Color(1); }
+  Color albedo(std::span<const float> parameters, const ClosurePoint& point) const override {
+    return Color(isVisible(point, shadingNormal(parameters)) ? 1.0f : 0.0f);
+  }
 };
 
 }  // namespace

@@ -393,6 +393,23 @@ TEST_F(Accuracy, ADoctorKnowsThatFacesWithPrioritiesMayCoincide) {
   EXPECT_TRUE(hasPlacesAndRemedies(equal.err));
 }
 
+/// A colour given as albedo that is too bright: told of before, while and after it is rendered.
+TEST_F(Accuracy, AlbedosAboveOneAreToldOf) {
+  folder_.write("bright.xml", R"(<scene version="3.0.0"><sensor type="perspective">
+      <transform name="to_world"><translate z="-5"/></transform><film type="hdrfilm"><integer name="width" value="8"/>
+      <integer name="height" value="8"/></film></sensor><emitter type="constant"/>
+      <volume type="box"><medium type="osl"><source><![CDATA[volume v() { Ci = anisotropic_vdf(2, 1, 0); }]]></source>
+      </medium></volume></scene>)");
+  const std::string said = "scatters more light than it takes from rays";
+  const Outcome check = run({"check", "bright.xml"});
+  EXPECT_THAT(check.err, HasSubstr(said));
+  EXPECT_THAT(check.err, HasSubstr("everywhere: scattering (2, 2, 2), extinction (1, 1, 1)"));
+  EXPECT_THAT(run({"render", "bright.xml", "--spp", "1", "-o", "bright.exr"}).err, HasSubstr(said));
+  const Outcome doctor = run({"doctor", "bright.xml", "--size", "8"}, 1);
+  EXPECT_THAT(doctor.err, HasSubstr(said));
+  EXPECT_TRUE(hasPlacesAndRemedies(doctor.err));
+}
+
 TEST_F(Accuracy, ACheckTellsEverythingAtOnce) {
   EXPECT_THAT(run({"check", "wisps.xml"}).out, HasSubstr("wisps.xml: no errors, "));
   folder_.write("broken.ply", "ply\nformat ascii 1.0\nelement vertex many\n");

@@ -140,6 +140,22 @@ TEST_F(Pictures, AreShownAsTheConfigSays) {
   EXPECT_FALSE(folder_.has("x.png"));
 }
 
+/// Also where no file shows how: the next one will.
+TEST_F(Pictures, WhatIsAskedOfTheirDisplayHasToBeThere) {
+  const auto refused = [&](const std::string& option, const std::string& value) {
+    const std::string said = run({"render", "ball.xml", "--spp", "1", "-q", "-o", "y.exr", option, value}, 1).err;
+    EXPECT_FALSE(folder_.has("y.exr")) << option;
+    return said;
+  };
+  EXPECT_THAT(refused("--ocio", "nope.ocio"), HasSubstr("nope.ocio"));
+  EXPECT_THAT(refused("--view", "Filmic"), HasSubstr("has no view 'Filmic'"));
+  EXPECT_THAT(refused("--display", "paper"), HasSubstr("paper"));
+  EXPECT_THAT(refused("--working-space", "foo"), HasSubstr("foo"));
+  run({"render", "ball.xml", "--spp", "1", "-q", "-o", "z.exr", "--view", "Raw"});
+  EXPECT_TRUE(folder_.has("z.exr"));
+  EXPECT_FALSE(folder_.has("z.png"));
+}
+
 TEST_F(Pictures, NobodyLooks) {
   EXPECT_THAT(run({"render", "ball.xml", "-o", "a.exr", "--tev", "127.0.0.1:1"}, 1).err,
               HasSubstr("nobody answers at 127.0.0.1:1"));

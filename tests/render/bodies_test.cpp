@@ -149,5 +149,33 @@ TEST(BodiesWithoutPriority, KeepAStackWhereOneIsNeeded) {
   }
 }
 
+/// A medium by its extinction is the one by the colour that it leaves, and a dielectric above it bends as without it.
+TEST(BodiesWithoutPriority, AMediumMayBeSaidByItsExtinction) {
+  const auto render = [](const std::string& medium) {
+    const std::string material = R"(<bsdf type="osl"><source><![CDATA[surface inside() {
+        Ci = layer(dielectric_bsdf(N, vector(0), color(1), color(1), 0.0, 0.0, 1.5, "ggx"), )" +
+                                 medium + "); }]]></source></bsdf>";
+    const TestScene scene = loadScene(bounces, view, surroundings + ball(0, 0.8, material));
+    EXPECT_TRUE(scene.scene());
+    return scene.scene() ? scene.render(64) : nullptr;
+  };
+  // -log(exp(-1)) / 0.5 is 2.
+  const auto byColor = render("medium_vdf(color(0.5), 0.5, color(0.36787944), 0.3, 1.5, 0)");
+  const auto byExtinction = render("anisotropic_vdf(color(0.5), color(2), 0.3)");
+  const auto clear = render("anisotropic_vdf(color(0.5), color(0), 0.3)");
+  ASSERT_TRUE(byColor && byExtinction && clear);
+  double sum = 0, difference = 0, without = 0;
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      const auto green = [&](const auto& film) { return static_cast<double>(film->estimate(x, y).color.g); };
+      sum += green(byColor);
+      difference += green(byExtinction) - green(byColor);
+      without += green(clear) - green(byColor);
+    }
+  }
+  EXPECT_LT(std::abs(difference), 0.002 * sum);
+  EXPECT_GT(without, 0.05 * sum) << "what is inside is seen";
+}
+
 }  // namespace
 }  // namespace aerosol::test

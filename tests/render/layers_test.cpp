@@ -105,5 +105,44 @@ TEST(Layers, InstancesOfOneStructureShareKernels) {
   EXPECT_EQ(scene.scene()->shading.families().size(), 1u);
 }
 
+/// A material by a shader of `count` parts, each of them `part` with its number for $.
+std::string partsShader(const std::string& parameters, const std::string& before, const std::string& part, int count) {
+  std::string text = fmt::format(R"(<bsdf type="osl"><source><![CDATA[surface parts({}) {{ {})", parameters, before);
+  for (int i = 0; i < count; ++i) {
+    for (const char c : part) text += c == '$' ? std::to_string(i) : std::string(1, c);
+    text += '\n';
+  }
+  return text + "}]]></source></bsdf>";
+}
+
+TEST(Layers, AMaterialMayHaveManyClosures) {
+  const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 40},
+                                    wall(partsShader("", "", "Ci += color(0.5, 0.25, 1) / 40 * diffuse(N);", 40), sky));
+  ASSERT_TRUE(scene.scene()) << scene.warnings();
+  EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return skyColor * Color(0.5f, 0.25f, 1); }));
+}
+
+/// One layer over another, each with a weight of 0 but the last: copies are made of all, and none but one matters.
+TEST(Layers, WhatAnInstanceLeavesOutDoesNotCount) {
+  const std::string coats = partsShader("float coat = 0", "Ci = 0.5 * diffuse(N);",
+                                        "Ci = layer(coat * phong(N, 1 + $), Ci) + coat * reflection(N);", 30);
+  const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 40}, wall(coats, sky));
+  ASSERT_TRUE(scene.scene()) << scene.warnings();
+  EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return skyColor * 0.5f; }));
+}
+
+/// Two materials with different numbers of closures, met by the same paths.
+TEST(Layers, MaterialsWithManyAndFewClosuresStandTogether) {
+  const std::string many = partsShader("", "", "Ci += 0.5 / 40 * oren_nayar(N, 0);", 40);
+  const std::string few = R"(<bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>)";
+  const std::string half = R"(<shape type="rectangle"><transform name="to_world"><rotate y="1" angle="180"/>
+      <translate x="{}"/><scale value="50"/></transform>{}</shape>)";
+  const TestScene scene =
+      loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 40},
+                sky + fmt::format(fmt::runtime(half), -1, many) + fmt::format(fmt::runtime(half), 1, few));
+  ASSERT_TRUE(scene.scene()) << scene.warnings();
+  EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return skyColor * 0.5f; }));
+}
+
 }  // namespace
 }  // namespace aerosol::test

@@ -234,5 +234,33 @@ TEST(Budgets, AnEndlessLoopIsStoppedAndReported) {
   EXPECT_EQ(messages[0].location.line, 5);
 }
 
+/// An albedo above 1 is what a medium can have and nobody wants: it is rendered as it is, and told of once a shader.
+TEST(Messages, TellOfMediaThatScatterMoreThanTheyTake) {
+  const auto amplifying = [](const std::string& coefficients) {
+    const TestScene scene = loadScene(R"(<integer name="max_depth" value="3"/>)", small,
+                                      std::string(sky) + R"(<volume type="box"><medium type="osl"><source><![CDATA[
+        volume v() { Ci = )" + coefficients +
+                                          R"(; }]]></source></medium></volume>)");
+    EXPECT_TRUE(scene.scene());
+    auto film = scene.film();
+    const render::RenderReport report = scene.renderInto(*film, {.threads = 1, .endSample = 16});
+    const auto found = scene.scene()->messages->amplifying();
+    if (!found.empty() && !found.begin()->second.isEverywhere)
+      EXPECT_EQ(found.begin()->second.count, report.statistics.amplifyingCoefficients);
+    EXPECT_TRUE(scene.scene()->messages->invalid().empty());
+    return found;
+  };
+  EXPECT_TRUE(amplifying("anisotropic_vdf(1, 1, 0)").empty());
+  EXPECT_TRUE(amplifying("(1 + 0.5 * P[2]) * (anisotropic_vdf(1, 0.3, 0) + 0.7 * henyey_greenstein(0.5))").empty());
+  const auto everywhere = amplifying("anisotropic_vdf(color(0.5, 2, 0.5), 1, 0)");
+  ASSERT_EQ(everywhere.size(), 1u);
+  EXPECT_TRUE(everywhere.begin()->second.isEverywhere);
+  EXPECT_FLOAT_EQ(everywhere.begin()->second.given.sigmaS.g, 2);
+  const auto varying = amplifying("(1 + 0.5 * P[2]) * anisotropic_vdf(1 + P[0], 1, 0)");
+  ASSERT_EQ(varying.size(), 1u);
+  EXPECT_FALSE(varying.begin()->second.isEverywhere);
+  EXPECT_GT(varying.begin()->second.point.x, 0);
+}
+
 }  // namespace
 }  // namespace aerosol::test

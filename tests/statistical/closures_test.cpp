@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "core/render/closure_mix.h"
 #include "core/render/registry.h"
 #include "plugins/registration.h"
@@ -560,6 +562,34 @@ class Planted final : public Closure {
   const Closure& inner_;
   Fault fault_;
 };
+
+/// Smooth meshes seen from their back: light may lie before the shading normal and behind the surface, as the viewer
+/// does, and what reflects on one side only stays dark.
+TEST(Closures, WhatReflectsIsDarkFromBehind) {
+  const Registry registry = allPlugins();
+  for (const char* name : {"diffuse", "oren_nayar", "oren_nayar_diffuse_bsdf", "burley_diffuse_bsdf", "phong", "ward",
+                           "sheen_bsdf", "conductor_bsdf"}) {
+    const Closure& closure = *registry.closure(name);
+    Uniforms random(seedOfTest());
+    const Parameters p = parametersAt(closure, 0.5, 0.5);
+    const Vector<World> normal(p[0], p[1], p[2]);
+    int lights = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const auto [x, y] = random.next2D();
+      const auto [z, w] = random.next2D();
+      const ClosurePoint point{tilted(std::numbers::pi * static_cast<double>(x), 7 * static_cast<double>(y)),
+                               geometricNormal};
+      const Vector<World> light = tilted(std::numbers::pi * static_cast<double>(z), 7 * static_cast<double>(w));
+      if (dot(point.toViewer, geometricNormal) >= 0 || dot(point.toViewer, normal) >= 0) continue;
+      lights += dot(light, geometricNormal) < 0 && dot(light, normal) > 0;
+      EXPECT_TRUE(isBlack(closure.evaluate(p, point, light))) << name;
+      EXPECT_EQ(closure.pdf(p, point, light), 0) << name;
+      EXPECT_FALSE(closure.sample(p, point, {random.next(), random.next2D()})) << name;
+      EXPECT_TRUE(isBlack(closure.albedo(p, point))) << name;
+    }
+    EXPECT_GT(lights, 20) << name;
+  }
+}
 
 TEST(Closures, APlantedErrorOfTwoPercentIsCaught) {
   const Registry registry = allPlugins();

@@ -234,6 +234,7 @@ Diagnostics examinePilot(const scene::SceneDescription& description, const rende
   advise(invalid, {}, undefinedRemedy);
   found.append(invalid);
   found.append(reportInvalidCoefficients(scene));
+  found.append(reportAmplifyingMedia(scene));
   Diagnostics trackers = reportTrackers(scene, s.trackers);
   advise(trackers, camera);
   found.append(trackers);

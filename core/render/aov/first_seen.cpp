@@ -81,18 +81,19 @@ ScatterShares::ScatterShares(const ClosureMix& closures, const ClosureSample& sa
 }
 
 void ScatterShares::add(PathEvent event, std::uint32_t label, Color part) {
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < shares_.size(); ++i) {
     if (shares_[i].event != event || shares_[i].label != label) continue;
     shares_[i].share += part;
     return;
   }
-  shares_[count_++] = {event, part, label};
+  shares_.resize(shares_.size() + 1);
+  shares_[shares_.size() - 1] = {event, part, label};
 }
 
 void ScatterShares::splitByLabel(const ClosureMix& closures, Vector<World> direction, bool reflects) {
   const PathEvent matte = reflects ? PathEvent::reflectDiffuse : PathEvent::transmitDiffuse;
   const PathEvent glossy = reflects ? PathEvent::reflectGlossy : PathEvent::transmitGlossy;
-  count_ = 0;
+  shares_.truncate(0);
   Color all;
   for (std::size_t i = 0; i < closures.termCount(); ++i) {
     const ClosureMix::TermShare term = closures.evaluateTerm(i, direction);
@@ -100,7 +101,7 @@ void ScatterShares::splitByLabel(const ClosureMix& closures, Vector<World> direc
     if (!isBlack(term.diffuse)) add(matte, term.label, term.diffuse);
     if (const Color rest = term.all - term.diffuse; !isBlack(rest)) add(glossy, term.label, rest);
   }
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < shares_.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
       float& share = shares_[i].share[c];
       share = all[c] != 0 ? share / all[c] : 0;
@@ -113,13 +114,13 @@ void ScatterShares::split(const ClosureMix& closures, Vector<World> direction, b
   const Color all = closures.evaluate(direction), matte = closures.evaluateDiffuse(direction);
   Color diffuse;
   for (int c = 0; c < 3; ++c) diffuse[c] = all[c] != 0 ? matte[c] / all[c] : (isBlack(matte) ? 0.0f : 1.0f);
+  shares_.resize(2);
   shares_[0] = {reflects ? PathEvent::reflectDiffuse : PathEvent::transmitDiffuse, diffuse};
   shares_[1] = {reflects ? PathEvent::reflectGlossy : PathEvent::transmitGlossy, Color(1) - diffuse};
-  count_ = 2;
-  if (isBlack(shares_[1].share)) count_ = 1;
+  if (isBlack(shares_[1].share)) shares_.truncate(1);
   if (isBlack(diffuse)) {
     shares_[0] = shares_[1];
-    count_ = 1;
+    shares_.truncate(1);
   }
 }
 

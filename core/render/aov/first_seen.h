@@ -24,15 +24,14 @@ class ScatterShares {
   ScatterShares(const ClosureMix& closures, Vector<World> direction, bool reflects);
   /// Of a sample: as above, or all by one that mirrors, bends or lets pass.
   ScatterShares(const ClosureMix& closures, const ClosureSample& sample, bool reflects);
-  operator std::span<const ScatterShare>() const { return {shares_.data(), count_}; }
+  operator std::span<const ScatterShare>() const { return {shares_.data(), shares_.size()}; }
 
  private:
   void split(const ClosureMix& closures, Vector<World> direction, bool reflects);
   void splitByLabel(const ClosureMix& closures, Vector<World> direction, bool reflects);
   void add(PathEvent event, std::uint32_t label, Color part);
 
-  std::array<ScatterShare, 2 * ClosureMix::maximumTerms> shares_;
-  std::size_t count_ = 1;
+  SmallArray<ScatterShare, 2 * ClosureMix::usualTerms> shares_{1};
 };
 
 /// A medium scatters in one way alone.

@@ -61,7 +61,7 @@ SkyPicture skyPicture(Preparation& state, const scene::Emitter& emitter, shading
   bool isSound = true;
   askSurfaces(*state.scene, shader, points, [&](const SurfaceAnswer& answer) {
     Color sum;
-    for (std::uint32_t i = 0; i < answer.siteCount; ++i) {
+    for (std::uint32_t i = 0; i < answer.siteCount(); ++i) {
       if (closures[i] && closures[i]->kind() == ClosureKind::emission)
         sum += answer.sites[i].weight * closures[i]->emitted(answer.sites[i].parameters, {});
     }

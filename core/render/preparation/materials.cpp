@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/lang/analysis.h"
+#include "core/lang/reached_sites.h"
 #include "core/render/scene_attributes.h"
 
 namespace aerosol::render {
@@ -129,6 +130,24 @@ void checkSite(Preparation& state, const lang::Program& program, std::uint32_t i
   }
 }
 
+/// A material that may return more closures than that at a point is a mistake.
+constexpr std::size_t maximumSites = 256;
+
+bool checkCount(Preparation& state, const lang::Program& program, const std::vector<bool>& reached) {
+  const auto count = static_cast<std::size_t>(std::ranges::count(reached, true));
+  if (count <= maximumSites) return true;
+  std::size_t site = 0;
+  for (std::size_t seen = 0; seen <= maximumSites; ++site) seen += reached[site] ? 1 : 0;
+  state.appendNew(Diagnostic{
+      Severity::error,
+      program.locations[program.closureSites[site - 1].location],
+      fmt::format("shader '{}' may return {} closures at a point: {} is the most", program.name, count, maximumSites),
+      {},
+      {"what lies below several layers counts once for each way to lie below them: layer a sum of closures once, "
+       "instead of sums of layers; what has a constant weight of 0 does not count"}});
+  return false;
+}
+
 /// A parameter of a site that is a text known before the render; null for any other.
 const std::string* constantText(const lang::Program& program, std::uint32_t site, std::size_t parameter) {
   for (const lang::Output& output : program.outputs) {
@@ -192,23 +211,24 @@ void findSiteClosures(Preparation& state) {
 
 void describeMaterial(Preparation& state, PreparedObject& object) {
   const lang::Program& program = *state.scene->shading.family(object.material).program;
-  if (program.closureSites.size() > SurfaceAnswer::maximumSites) {
-    state.errors.error(program.locations[program.closureSites[SurfaceAnswer::maximumSites].location],
-                       fmt::format("shader '{}' has more than {} closures", program.name, SurfaceAnswer::maximumSites));
-    return;
-  }
   object.closures = state.scene->siteClosures[object.material.family];
   const lang::Program folded = lang::specialise(program, valuesOf(state, object.material));
+  const std::vector<bool> reached = lang::reachedSites(folded);
+  if (!checkCount(state, program, reached)) return;
   const bool isLayered = std::any_of(program.closureSites.begin(), program.closureSites.end(),
                                      [](const lang::ClosureSite& site) { return !site.layers.empty(); });
   for (std::size_t i = 0; i < program.closureSites.size(); ++i) {
     const lang::ClosureSite& site = program.closureSites[i];
     if (isLayered) object.layers.push_back(site.layers);
     const auto index = static_cast<std::uint32_t>(i);
-    checkSite(state, folded, index, object.closures[i]);
     if (object.closures[i] && object.closures[i]->kind() == ClosureKind::output)
       findOutput(state, folded, index, object);
     findLabel(folded, index, object);
+    if (!reached[i]) {
+      object.closures[i] = nullptr;
+      continue;
+    }
+    checkSite(state, folded, index, object.closures[i]);
     const bool isInterior = object.closures[i] && object.closures[i]->kind() == ClosureKind::interior;
     if (isInterior && !isWeightless(folded, index)) {
       object.saysInside = true;
@@ -224,7 +244,8 @@ void describeMaterial(Preparation& state, PreparedObject& object) {
   if (!constant) return;
   Color passing;
   bool hasOther = false;
-  for (std::uint32_t s = 0; s < constant->siteCount; ++s) {
+  for (std::uint32_t s = 0; s < constant->siteCount(); ++s) {
+    if (!object.closures[s]) continue;
     if (object.closures[s]->kind() == ClosureKind::transparent) {
       passing += constant->sites[s].weight;
     } else {

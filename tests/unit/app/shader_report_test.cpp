@@ -81,6 +81,38 @@ TEST(ShaderReport, TellsOfSegmentsGivenUp) {
   EXPECT_EQ(reportTrackers(makeScene(2), trackers).entries().size(), 1u);
 }
 
+TEST(ShaderReport, SaysWhenABoundIsSoLowThatTheImageIsWrong) {
+  volume::TrackerStatistics trackers;
+  trackers.boundViolations = 3;
+  trackers.worstExtinction = 4;
+  trackers.worstViolation = 1.5f;
+  const auto said = [&] { return reportTrackers(makeScene(2), trackers).entries().at(0).message; };
+  EXPECT_THAT(said(), HasSubstr("the image is right but noisier"));
+  trackers.worstViolation = 40;
+  EXPECT_THAT(said(), HasSubstr("no usual number of samples comes near the right image"));
+}
+
+TEST(ShaderReport, PlacesAlbedosAboveOne) {
+  const render::PreparedScene scene = makeScene(1);
+  EXPECT_TRUE(reportAmplifyingMedia(scene).empty());
+  volume::TrackerStatistics trackers;
+  trackers.stepLimits = 3;
+  EXPECT_THAT(reportTrackers(scene, trackers).entries().at(0).notes, ElementsAre(HasSubstr("bound is far above")));
+  volume::Coefficients given;
+  given.sigmaT = Color(1);
+  given.sigmaS = Color(1, 2, 1);
+  scene.messages->reportAmplifying(scene.media[0], {1, 2, 3}, given, {9, 8, 7});
+  scene.messages->reportAmplifying(scene.media[0], {4, 5, 6}, given, {2, 1, 7});
+  const Diagnostics warnings = reportAmplifyingMedia(scene);
+  ASSERT_EQ(warnings.entries().size(), 1u);
+  EXPECT_THAT(warnings.entries()[0].message, HasSubstr("'fog' scatters more light than it takes"));
+  EXPECT_THAT(warnings.entries()[0].notes,
+              ElementsAre("first at pixel (2, 1), sample 7, world point (4, 5, 6): scattering (1, 2, 1), extinction "
+                          "(1, 1, 1); 2 results in all",
+                          HasSubstr("keep every channel of the albedo at 1 or below")));
+  EXPECT_THAT(reportTrackers(scene, trackers).entries().at(0).notes, ElementsAre(HasSubstr("do not die out")));
+}
+
 TEST(ShaderReport, PlacesInvalidResults) {
   const render::PreparedScene scene = makeScene(1);
   EXPECT_TRUE(reportInvalidCoefficients(scene).empty());

@@ -7,6 +7,7 @@
 
 #include "core/lang/analysis.h"
 #include "core/lang/compile.h"
+#include "core/lang/reached_sites.h"
 
 namespace aerosol::lang {
 namespace {
@@ -162,6 +163,42 @@ TEST(Lower, TakesClosuresApart) {
   for (const Output& output : program.outputs) kinds.push_back(output.kind);
   EXPECT_EQ(kinds, (std::vector<OutputKind>{OutputKind::sigmaT, OutputKind::sigmaS, OutputKind::emission,
                                             OutputKind::lobeSigmaS, OutputKind::lobeAnisotropy}));
+}
+
+TEST(Lower, KeepsTheClosuresThatCiHolds) {
+  const Program program = compiled(
+      "surface s(float coat = 0) { closure color unused = phong(N, 3); closure color base = diffuse(N);\n"
+      "  Ci = layer(coat * reflection(N), layer(coat * refraction(N, 1.5), base)); }");
+  std::vector<std::string> names;
+  for (const ClosureSite& site : program.closureSites) names.push_back(site.closure);
+  // Not those that the layers were copied from.
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("reflection", "refraction", "diffuse"));
+  for (const ClosureSite& site : program.closureSites) {
+    std::vector<std::string> above;
+    for (const ClosureLayer& layer : site.layers) above.push_back(program.closureSites.at(layer.top).closure);
+    if (site.closure == "diffuse") EXPECT_THAT(above, ::testing::ElementsAre("refraction", "reflection"));
+    if (site.closure == "refraction") EXPECT_THAT(above, ::testing::ElementsAre("reflection"));
+    if (site.closure == "reflection") EXPECT_THAT(above, ::testing::IsEmpty());
+  }
+  const auto reached = [&](float coat) {
+    const Program folded = specialise(program, {{0, std::vector<float>{coat}}});
+    std::vector<std::string> found;
+    const std::vector<bool> marks = reachedSites(folded);
+    for (std::size_t i = 0; i < marks.size(); ++i)
+      if (marks[i]) found.push_back(names[i]);
+    return found;
+  };
+  EXPECT_THAT(reached(0), ::testing::ElementsAre("diffuse"));
+  EXPECT_EQ(reached(1).size(), 3u);
+}
+
+/// Its weight is 0, and yet it dims what lies below it.
+TEST(Lower, ReachesClosuresThatOnlyLieOnOthers) {
+  const Program program =
+      compiled("surface s() { closure color top = diffuse(N); Ci = layer(top, phong(N, 3)) + (-1) * top; }");
+  const std::vector<bool> marks = reachedSites(specialise(program, {}));
+  EXPECT_EQ(marks.size(), 2u);
+  EXPECT_EQ(std::count(marks.begin(), marks.end(), true), 2);
 }
 
 TEST(Lower, InlinedClosuresAreSitesOfTheirOwn) {

@@ -56,6 +56,14 @@ TEST(World, PlacesTheCamera) {
   EXPECT_EQ(scene.sampler.sampleCount, 16);
 }
 
+/// Older scenes say which shapes are lights; here what emits is one.
+TEST(World, ShapesMaySayThatTheyAreLights) {
+  const SceneDescription scene = readWorldScene(std::string(group) + R"(
+      <Sphere center="1,2,3" radius="0.5" is_light="no"/>
+      <Quad corner="-1, 0, 1" edge_x="2, 0, 0" edge_y="0, 0, -4" is_light="yes"/>)");
+  EXPECT_EQ(scene.shapes.size(), 2u);
+}
+
 TEST(World, ShapesHaveTheGroupBeforeThem) {
   const SceneDescription scene = readWorldScene(std::string(group) + R"(
       <Sphere center="1,2,3" radius="0.5"/>
