@@ -122,13 +122,17 @@ TEST(Layers, AMaterialMayHaveManyClosures) {
   EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return skyColor * Color(0.5f, 0.25f, 1); }));
 }
 
-/// One layer over another, each with a weight of 0 but the last: copies are made of all, and none but one matters.
+/// More than are allowed, and copies below layers, none of which has a weight.
 TEST(Layers, WhatAnInstanceLeavesOutDoesNotCount) {
+  const std::string sums =
+      partsShader("float coat = 0", "Ci = 0.5 * diffuse(N);", "Ci += coat * phong(N, 1 + $);", 300);
   const std::string coats = partsShader("float coat = 0", "Ci = 0.5 * diffuse(N);",
-                                        "Ci = layer(coat * phong(N, 1 + $), Ci) + coat * reflection(N);", 30);
-  const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 40}, wall(coats, sky));
-  ASSERT_TRUE(scene.scene()) << scene.warnings();
-  EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return skyColor * 0.5f; }));
+                                        "Ci = layer(coat * phong(N, 1 + $), Ci) + coat * reflection(N);", 9);
+  for (const std::string& material : {sums, coats}) {
+    const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 40}, wall(material, sky));
+    ASSERT_TRUE(scene.scene()) << scene.warnings();
+    EXPECT_TRUE(shows(scene, *scene.render(256), [](const Ray<World>&) { return skyColor * 0.5f; }));
+  }
 }
 
 /// Two materials with different numbers of closures, met by the same paths.
