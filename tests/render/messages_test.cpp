@@ -237,10 +237,10 @@ TEST(Budgets, AnEndlessLoopIsStoppedAndReported) {
 /// An albedo above 1 is what a medium can have and nobody wants: it is rendered as it is, and told of once a shader.
 TEST(Messages, TellOfMediaThatScatterMoreThanTheyTake) {
   const auto amplifying = [](const std::string& coefficients) {
-    const TestScene scene = loadScene(R"(<integer name="max_depth" value="3"/>)", small,
-                                      std::string(sky) + R"(<volume type="box"><medium type="osl"><source><![CDATA[
-        volume v() { Ci = )" + coefficients +
-                                          R"(; }]]></source></medium></volume>)");
+    const TestScene scene = loadScene(R"(<integer name="max_depth" value="3"/>)",
+                                      small, std::string(sky) + R"(<volume type="box"><medium type="osl">
+        <string name="distance" value="marching"/><source><![CDATA[
+        volume v() { Ci = )" + coefficients + R"(; }]]></source></medium></volume>)");
     EXPECT_TRUE(scene.scene());
     auto film = scene.film();
     const render::RenderReport report = scene.renderInto(*film, {.threads = 1, .endSample = 16});
