@@ -10,7 +10,7 @@ packages=(
   libembree-dev libopenvdb-dev libnanovdb-dev libboost-dev libnanoflann-dev libopenimageio-dev libopencolorio-dev libpugixml-dev
   libtbb-dev libimath-dev libopenexr-dev libcli11-dev libfmt-dev libxxhash-dev zlib1g-dev
   # tests
-  libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
+  libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev opencolorio-tools
   slurmctld slurmd slurm-client munge
 )
 

@@ -1,5 +1,9 @@
 #include "core/lang/lower.h"
 
+#include <algorithm>
+
+#include "core/lang/analysis.h"
+
 namespace aerosol::lang {
 
 namespace {
@@ -11,9 +15,32 @@ void makeZero(Program& program, VariableId id) {
   program.variables[id].value = std::vector<std::int32_t>{0};
 }
 
+bool writes(const Program& program, const Code& code, VariableId id) {
+  return std::any_of(code.begin(), code.end(), [&](const Instruction& instruction) {
+    bool found = false;
+    forEachWritten(program, instruction, [&](VariableId written) { found = found || written == id; });
+    return found || std::any_of(instruction.bodies.begin(), instruction.bodies.end(),
+                                [&](const Code& body) { return writes(program, body, id); });
+  });
+}
+
 }  // namespace
 
+std::optional<std::uint32_t> onlyClosureOutput(const Program& program) {
+  std::optional<std::uint32_t> only;
+  for (std::uint32_t i = 0; i < program.parameters.size(); ++i) {
+    const Parameter& parameter = program.parameters[i];
+    if (!parameter.isOutput || parameter.type != types::closure || parameter.variable == noVariable) continue;
+    if (only) return {};
+    only = i;
+  }
+  return only;
+}
+
 Program complete(Program layer, const ReportAt& report) {
+  if (layer.ci != noVariable && !writes(layer, layer.body, layer.ci)) {
+    if (const auto output = onlyClosureOutput(layer)) layer.ci = layer.parameters[*output].variable;
+  }
   std::vector<std::uint32_t> indices;
   std::vector<Parameter> kept;
   for (Parameter& parameter : layer.parameters) {

@@ -45,6 +45,7 @@ class Merger {
     if (errors_.hasErrors()) return errors_;
     decideMovability();
     program_.ci = globals_[static_cast<std::size_t>(Global::Ci)];
+    if (const auto output = writesCi_ ? std::nullopt : onlyClosureOutput(last)) program_.ci = values_.back()[*output];
     if (program_.kind == "displacement") addDisplaced();
     program_.body = LayerPlacement(program_, std::move(codes_), std::move(producers_)).run();
     const std::vector<SourceLocation> locations = program_.locations;
@@ -193,6 +194,7 @@ class Merger {
       return;
     }
     map_ = shader.variables;
+    writesCi_ = writesCi_ || (source.ci != noVariable && shader.written[source.ci] && !ownCi_.contains(index));
     if (const auto own = ownCi_.find(index); own != ownCi_.end()) {
       Variable closure = source.variables[source.ci];
       closure.storage = Storage::local;
@@ -473,6 +475,7 @@ class Merger {
   std::vector<bool> needed_;  ///< By layer.
   std::vector<std::set<std::uint32_t>> outgoing_;
   std::map<std::uint32_t, VariableId> ownCi_;  ///< Of layers whose Ci is the source of a connection.
+  bool writesCi_ = false;                      ///< Some layer writes the Ci of the group.
   std::unordered_map<const Program*, std::unique_ptr<Shader>> shaders_;
   std::vector<const Shader*> shadersOfLayers_;
   std::array<VariableId, globalCount> globals_ = noGlobals();

@@ -34,8 +34,12 @@ std::optional<LoweredShader> lower(CheckedSource& source, const SourceMap& sourc
 using ReportAt = std::function<void(std::uint32_t location, std::string message)>;
 
 /// Makes a program of its own from a layer: parameters have no connections, closures are taken apart, outputs computed
-/// at the end. Parameters that are closures are gone, so that the others may have another index.
+/// at the end. Parameters that are closures are gone, so that the others may have another index. Where it never writes
+/// `Ci`, its only output that is a closure takes that place, as what MaterialX generates has it.
 Program complete(Program layer, const ReportAt& report);
+
+/// The parameter, where exactly one output is a closure.
+std::optional<std::uint32_t> onlyClosureOutput(const Program& program);
 
 /// Replaces closure values: every closure variable becomes, for each call site whose closure it may hold, variables for
 /// what is linear in the weight (surfaces: the weight; volumes: extinction, scattering, emission) and for what is

@@ -135,6 +135,22 @@ TEST(Layers, WhatAnInstanceLeavesOutDoesNotCount) {
   }
 }
 
+/// As MaterialX writes materials: alone, and fed by a layer before it.
+TEST(Layers, TheOnlyOutputThatIsAClosureStandsForCi) {
+  const std::string direct = R"(<bsdf type="osl"><source><![CDATA[
+      shader material(color tint = 0.5, output closure color out = 0) { out = tint * diffuse(N); }]]></source></bsdf>)";
+  const std::string several = R"(<bsdf type="osl"><source><![CDATA[
+      shader material(output closure color out = 0, output closure color other = 0) { out = diffuse(N); }]]></source></bsdf>)";
+  const std::string group = R"(<bsdf type="osl"><group><![CDATA[
+      param float at_zero 0.25 ; param float slope 0 ; shader line ramp ; shader closure_out material ;
+      connect ramp.value material.tint ; ]]></group></bsdf>)";
+  for (const auto& [material, part] : {std::pair{direct, 0.5f}, {several, 0.0f}, {group, 0.25f}}) {
+    const TestScene scene = loadScene(R"(<integer name="max_depth" value="2"/>)", {.fov = 40}, wall(material, sky));
+    ASSERT_TRUE(scene.scene()) << scene.warnings();
+    EXPECT_TRUE(shows(scene, *scene.render(256), [&](const Ray<World>&) { return skyColor * part; }));
+  }
+}
+
 /// Two materials with different numbers of closures, met by the same paths.
 TEST(Layers, MaterialsWithManyAndFewClosuresStandTogether) {
   const std::string many = partsShader("", "", "Ci += 0.5 / 40 * oren_nayar(N, 0);", 40);
